@@ -7,9 +7,9 @@
 
 namespace racecar_mcl {
 
-/// Reads a map_server YAML (image, resolution, origin [x, y, yaw], negate, occupied_thresh, free_thresh, mode
-/// trinary | scale | raw) and its image (anything OpenCV reads; a relative path is relative to the YAML).
-/// Throws MapError with the file's name and what is wrong with it.
+/// Reads a map_server YAML (image, resolution, origin [x, y, yaw], negate, occupied_thresh,
+/// free_thresh, mode trinary | scale | raw) and its image (anything OpenCV reads; a relative path
+/// is relative to the YAML). Throws MapError with the file's name and what is wrong with it.
 OccupancyGrid loadMap(const std::string& yaml_path);
 
 }  // namespace racecar_mcl

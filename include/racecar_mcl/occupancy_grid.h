@@ -9,8 +9,9 @@
 
 namespace racecar_mcl {
 
-/// Where the grid lies in the map frame. Cell (0, 0) is the lower left one; `origin` is the pose of its
-/// lower-left corner in the map frame. Columns run along the origin's x axis, rows along its y axis:
+/// Where the grid lies in the map frame. Cell (0, 0) is the lower left one; `origin` is the pose of
+/// its lower-left corner in the map frame. Columns run along the origin's x axis, rows along its y
+/// axis:
 ///
 ///        y   row
 ///        ^    ^      origin.yaw turns the whole grid about the corner o
@@ -35,7 +36,8 @@ inline bool operator==(const Cell& a, const Cell& b) {
   return a.column == b.column && a.row == b.row;
 }
 
-/// Continuous grid coordinates in cells: (0, 0) is the corner of the grid, (0.5, 0.5) the centre of cell (0, 0).
+/// Continuous grid coordinates in cells: (0, 0) is the corner of the grid, (0.5, 0.5) the centre of
+/// cell (0, 0).
 Eigen::Vector2d worldToGrid(const GridGeometry& geometry, const Eigen::Vector2d& point_in_map);
 Eigen::Vector2d gridToWorld(const GridGeometry& geometry, const Eigen::Vector2d& point_in_grid);
 
@@ -53,8 +55,8 @@ inline bool contains(const GridGeometry& geometry, const Cell& cell) {
 /// What stands for an unknown cell: something a ray passes through, or something it hits.
 enum class UnknownIs { kFree, kOccupied };
 
-/// An immutable map. Cells hold nav_msgs values: 0 (free) to 100 (occupied), -1 unknown; row-major, lowest row
-/// first.
+/// An immutable map. Cells hold nav_msgs values: 0 (free) to 100 (occupied), -1 unknown; row-major,
+/// lowest row first.
 class OccupancyGrid {
  public:
   static constexpr std::int8_t kFree = 0;
@@ -63,8 +65,9 @@ class OccupancyGrid {
   /// From this value on a known cell is an obstacle.
   static constexpr std::int8_t kObstacleFrom = 50;
 
-  /// Throws MapError on a size that is not positive, a resolution that is not positive and finite, an origin that
-  /// is not finite, a number of cells that does not fit the size, or a value outside [-1, 100].
+  /// Throws MapError on a size that is not positive, a resolution that is not positive and finite,
+  /// an origin that is not finite, a number of cells that does not fit the size, or a value outside
+  /// [-1, 100].
   OccupancyGrid(GridGeometry geometry, std::vector<std::int8_t> cells);
 
   const GridGeometry& geometry() const { return geometry_; }
@@ -90,7 +93,8 @@ class OccupancyGrid {
   std::vector<std::int8_t> cells_;
 };
 
-/// 1 where a ray ends, 0 where it passes; row-major like the cells. The outside of the grid is unknown.
+/// 1 where a ray ends, 0 where it passes; row-major like the cells. The outside of the grid is
+/// unknown.
 std::vector<std::uint8_t> obstacleMask(const OccupancyGrid& grid, UnknownIs unknown_is);
 
 /// All free cells, row by row. Empty where the map has none.

@@ -58,7 +58,8 @@ inline Pose2 between(const Pose2& b_in_a, const Pose2& c_in_a) {
 /// Where a body is after moving with a constant twist: an arc, not a chord.
 Pose2 integrate(const Twist2& twist, double seconds);
 
-/// The pose a share `ratio` of the way from `from` to `to`: straight in position, the short way round in yaw.
+/// The pose a share `ratio` of the way from `from` to `to`: straight in position, the short way
+/// round in yaw.
 Pose2 interpolate(const Pose2& from, const Pose2& to, double ratio);
 
 /// Straight-line distance between two positions, m.

@@ -1,4 +1,5 @@
-// The generator every sampling function takes as an argument. Nothing in the core owns or hides one.
+// The generator every sampling function takes as an argument. Nothing in the core owns or hides
+// one.
 #pragma once
 
 #include <array>
@@ -7,8 +8,8 @@
 
 namespace racecar_mcl {
 
-/// xoshiro256++ (Blackman and Vigna, 2019), seeded by splitmix64. The same seed gives the same numbers on every
-/// platform and standard library, which std::normal_distribution does not.
+/// xoshiro256++ (Blackman and Vigna, 2019), seeded by splitmix64. The same seed gives the same
+/// numbers on every platform and standard library, which std::normal_distribution does not.
 class Random {
  public:
   using result_type = std::uint64_t;

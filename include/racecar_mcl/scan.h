@@ -1,4 +1,5 @@
-// A lidar sweep as the filter sees it: valid beams only, and the steps that prepare it for the filter.
+// A lidar sweep as the filter sees it: valid beams only, and the steps that prepare it for the
+// filter.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,26 +8,27 @@
 
 namespace racecar_mcl {
 
-/// Valid beams of one sweep. Invalid returns (NaN, -inf, below range_min) were dropped where the message was
-/// converted; +inf stays: nothing within the sensor's range is evidence (REP-117).
+/// Valid beams of one sweep. Invalid returns (NaN, -inf, below range_min) were dropped where the
+/// message was converted; +inf stays: nothing within the sensor's range is evidence (REP-117).
 struct Scan {
-  double stamp = 0.0;             ///< s, of the first beam
-  Pose2 laser_in_base;            ///< where the lidar sits on the car
-  Eigen::ArrayXf bearings;        ///< rad, counter-clockwise from the lidar's x axis, an upright lidar's sense
-  Eigen::ArrayXf ranges;          ///< m; +inf = nothing within range
+  double stamp = 0.0;   ///< s, of the first beam
+  Pose2 laser_in_base;  ///< where the lidar sits on the car
+  Eigen::ArrayXf
+      bearings;  ///< rad, counter-clockwise from the lidar's x axis, an upright lidar's sense
+  Eigen::ArrayXf ranges;               ///< m; +inf = nothing within range
   Eigen::ArrayXf seconds_after_stamp;  ///< s, when each beam was taken; all zero for a flash lidar
 
   Eigen::Index size() const { return bearings.size(); }
 };
 
-/// At most `count` beams within +-`field_of_view` / 2 of the lidar's x axis, spread evenly over the valid ones. A
-/// field of view of 2 pi or more keeps all bearings.
+/// At most `count` beams within +-`field_of_view` / 2 of the lidar's x axis, spread evenly over the
+/// valid ones. A field of view of 2 pi or more keeps all bearings.
 Scan selectBeams(const Scan& scan, int count, double field_of_view);
 
-/// The sweep as it would have been seen had the car stood still at the scan's stamp: every end point is moved by
-/// the car's motion between the stamp and its beam, then seen again from the lidar's pose at the stamp.
-/// `base_after(t)` is the car's pose `t` seconds after the stamp in its frame at the stamp. Beams without a return
-/// keep +inf and only turn.
+/// The sweep as it would have been seen had the car stood still at the scan's stamp: every end
+/// point is moved by the car's motion between the stamp and its beam, then seen again from the
+/// lidar's pose at the stamp. `base_after(t)` is the car's pose `t` seconds after the stamp in its
+/// frame at the stamp. Beams without a return keep +inf and only turn.
 template <typename PoseAfter>
 Scan deskew(const Scan& scan, PoseAfter&& base_after) {
   Scan straight = scan;

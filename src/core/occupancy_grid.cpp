@@ -19,8 +19,8 @@ void validate(const GridGeometry& geometry, const std::vector<std::int8_t>& cell
   } else if (!isFinite(geometry.origin)) {
     problem << "the map's origin (" << geometry.origin.x << ", " << geometry.origin.y << ", "
             << geometry.origin.yaw << ") must be finite";
-  } else if (cells.size() != static_cast<std::size_t>(geometry.width) *
-                                 static_cast<std::size_t>(geometry.height)) {
+  } else if (cells.size() !=
+             static_cast<std::size_t>(geometry.width) * static_cast<std::size_t>(geometry.height)) {
     problem << "the map holds " << cells.size() << " cells; its size " << geometry.width << " x "
             << geometry.height << " asks for "
             << static_cast<std::size_t>(geometry.width) * static_cast<std::size_t>(geometry.height);

@@ -1,0 +1,156 @@
+// The event level: odometry and scans in, the pose of the car at any time out. The one object that
+// the nodelet, the offline replay and the tests all drive. It reads no clock, owns no thread and
+// knows no ROS.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "racecar_mcl/odometry.h"
+#include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/scan.h"
+
+namespace racecar_mcl {
+
+struct LocalizerParameters {
+  ParticleFilterParameters filter;
+  MotionModelParameters motion;
+  BeamModelParameters beam_model;
+  RangeCasterParameters caster{"distance_transform", 0.0, UnknownIs::kFree};
+  OdometryParameters odometry;
+  int num_beams_per_particle = 100;
+  double scan_field_of_view = 4.71;  ///< rad, beams outside are not used
+  int min_beams = 10;                ///< a scan with fewer valid beams is not used
+  bool deskew = true;                ///< correct for the car's motion during the sweep
+  int parked_updates =
+      40;  ///< scans weighed after the car has stopped; more of the same view is no news
+};
+
+/// Throws ParameterError naming the parameter, its value and the allowed range.
+void validate(const LocalizerParameters& parameters);
+
+/// The map model these parameters ask for; see makeMapModel above.
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const LocalizerParameters& parameters);
+
+enum class ScanOutcome {
+  kUsed,
+  kParked,          ///< the car stands and enough was seen from here: the estimate stays
+  kNoMap,           ///< dropped: no map yet
+  kNoStart,         ///< dropped: no start pose yet
+  kNotFinite,       ///< dropped: the stamp is not finite
+  kRepeatedStamp,   ///< dropped
+  kOutOfOrder,      ///< dropped: older than the last scan
+  kTooFewBeams,     ///< dropped: fewer than min_beams valid ones in the field of view
+  kTimeJumpedBack,  ///< dropped: the clock started again; the pose is kept and the next scan is
+                    ///< used
+  kWeightsVanished  ///< no particle could have seen it: motion applied, weights kept
+};
+
+/// Words for logs and diagnostics.
+std::string describe(ScanOutcome outcome);
+
+/// What became of one scan.
+struct ScanResult {
+  ScanOutcome outcome = ScanOutcome::kNoMap;
+  double stamp = 0.0;  ///< s, the scan's
+  UpdateResult
+      update;  ///< filled when outcome is kUsed or kWeightsVanished; the estimate also when kParked
+};
+
+/// Everything received, by fate.
+struct LocalizerCounters {
+  std::uint64_t scans_seen = 0;
+  std::uint64_t scans_used = 0;
+  std::uint64_t scans_parked = 0;
+  std::uint64_t scans_dropped = 0;
+  std::uint64_t weights_vanished = 0;
+  std::uint64_t odometry_seen = 0;
+  std::uint64_t odometry_used = 0;
+  std::uint64_t odometry_dropped = 0;
+  std::uint64_t odometry_gaps = 0;
+  std::uint64_t time_jumps = 0;
+};
+
+class Localizer {
+ public:
+  /// A scan on its way through the filter: made by `prepareScan`, worked on by `processScan`, taken
+  /// in by `commitScan`.
+  struct ScanTask {
+    ScanResult result;
+    Scan beams;              ///< chosen and deskewed
+    Motion motion;           ///< since the scan before
+    OdometryState odometry;  ///< at the scan's stamp
+    bool weigh = false;
+  };
+
+  /// Throws as `validate` does.
+  Localizer(const LocalizerParameters& parameters, std::uint64_t seed);
+
+  /// Swaps in a new map; the particles stay where they are.
+  void setMap(std::shared_ptr<MapModel> map);
+  bool hasMap() const { return map_ != nullptr; }
+  const MapModel* map() const { return map_.get(); }
+
+  /// Starts around a pose that holds now, that is at the newest stamp seen. Throws as
+  /// ParticleFilter::initialize.
+  void initialize(const PoseEstimate& start);
+  /// Starts anywhere on the map. Without a map it returns false and changes nothing.
+  bool initializeGlobally();
+  bool initialized() const { return anchor_.has_value(); }
+
+  OdometryOutcome addOdometry(const OdometrySample& sample);
+
+  /// True when odometry reaches up to this stamp, so that a scan need not guess the last bit of
+  /// motion.
+  bool odometryCovers(double stamp) const {
+    return !odometry_.empty() && odometry_.newestStamp() >= stamp;
+  }
+
+  /// prepareScan, processScan and commitScan in one.
+  ScanResult addScan(const Scan& scan);
+
+  /// The three parts of addScan, for a driver that takes odometry while a scan is being processed.
+  /// Prepare and commit are short and touch what addOdometry and estimateAt touch; process is long
+  /// and touches only particles and map.
+  ScanTask prepareScan(const Scan& scan);
+  void processScan(ScanTask* task);
+  ScanResult commitScan(const ScanTask& task);
+
+  /// The pose at a time, carried there from the last scan by odometry; none before a start. Times
+  /// before the last scan are carried backwards.
+  std::optional<PoseEstimate> estimateAt(double stamp) const;
+  /// The newest stamp of a scan or odometry message; none before the first.
+  std::optional<double> newestStamp() const;
+  /// The newest odometry twist; zero before the first.
+  Twist2 twist() const { return odometry_.empty() ? Twist2{} : odometry_.newestTwist(); }
+
+  /// The next scan is weighed even if the car is parked.
+  void requestUpdate() { scans_since_stop_ = 0; }
+
+  const ParticleSet& particles() const { return filter_.particles(); }
+  const LocalizerCounters& counters() const { return counters_; }
+  const LocalizerParameters& parameters() const { return parameters_; }
+
+ private:
+  /// The estimate that poses are carried from, and what odometry had summed up there.
+  struct Anchor {
+    PoseEstimate estimate;
+    OdometryState odometry;
+  };
+
+  ScanOutcome admit(const Scan& scan);
+  void anchorHere();
+
+  LocalizerParameters parameters_;
+  ParticleFilter filter_;
+  OdometryHistory odometry_;
+  std::shared_ptr<MapModel> map_;
+  std::optional<Anchor> anchor_;
+  std::optional<double> last_scan_stamp_;
+  int scans_since_stop_ = 0;
+  LocalizerCounters counters_;
+};
+
+}  // namespace racecar_mcl

@@ -1,0 +1,95 @@
+// Monte Carlo localization: initialise, predict, update (report, section 2.3).
+#pragma once
+
+#include <memory>
+
+#include "racecar_mcl/beam_model.h"
+#include "racecar_mcl/motion_model.h"
+#include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/particles.h"
+#include "racecar_mcl/pose_estimate.h"
+#include "racecar_mcl/random.h"
+#include "racecar_mcl/range_caster.h"
+#include "racecar_mcl/resampling.h"
+#include "racecar_mcl/scan.h"
+
+namespace racecar_mcl {
+
+struct ParticleFilterParameters {
+  int num_particles = 200;  ///< while tracking
+  int global_particles =
+      20000;  ///< after a global start; fewer as the set concentrates (KLD sampling)
+  double resample_threshold = 0.5;  ///< resample when the effective sample size is at most this
+                                    ///< share of the set; 1 = at every scan (the report), 0 = never
+  ResamplingMethod resampling = ResamplingMethod::kSystematic;
+  EstimateFrom estimate = EstimateFrom::kMean;
+  double initial_sigma = 0.5;  ///< m and rad, where a start pose brings no spread of its own
+  int settling_updates = 20;   ///< after a start the resampled set is smoothed this many times, so
+                               ///< that few particles close in on a pose that none of them hit
+};
+
+/// Throws ParameterError on a value out of range.
+void validate(const ParticleFilterParameters& parameters);
+
+/// What the filter derives from a map, built once per map, off to the side.
+struct MapModel {
+  OccupancyGrid grid;
+  std::unique_ptr<RangeCaster> caster;
+  BeamModel beam_model;
+  std::vector<Cell> free_cells;
+};
+
+/// Throws MapError for a map without a free cell. `caster.max_range` of 0 takes the range of the
+/// sensor table.
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const RangeCasterParameters& caster,
+                                       const BeamModelParameters& beam_model);
+
+/// What one scan did to the filter.
+struct UpdateResult {
+  PoseEstimate estimate;               ///< at the scan, from the weights before resampling
+  double effective_sample_size = 0.0;  ///< before resampling
+  double log_likelihood = 0.0;         ///< of the scan, squashed: log of the mean weight
+  int beams = 0;                       ///< beams weighed
+  int particles = 0;                   ///< particles weighed
+  bool resampled = false;
+  bool weights_vanished = false;  ///< no particle could have seen this scan: it was not used
+};
+
+/// The particle set and the steps that change it. Every random number comes from the seed.
+class ParticleFilter {
+ public:
+  ParticleFilter(const ParticleFilterParameters& parameters, const MotionModelParameters& motion,
+                 std::uint64_t seed);
+
+  /// Samples the set around a pose. Variances of zero are taken as initial_sigma squared. Throws
+  /// ParameterError on a pose or covariance that is not finite, or a covariance that is none.
+  void initialize(const PoseEstimate& start);
+
+  /// Spreads global_particles evenly over the free space of the map.
+  void initializeGlobally(const MapModel& map);
+
+  bool initialized() const { return particles_.size() > 0; }
+
+  /// Moves the set by the car's motion.
+  void predict(const Motion& motion);
+
+  /// Weighs the set by a scan whose beams were all taken from where the particles are. Needs an
+  /// initialised filter and at least one beam.
+  UpdateResult update(MapModel* map, const Scan& beams);
+
+  const ParticleSet& particles() const { return particles_; }
+  /// Of the set as it stands now.
+  PoseEstimate estimate() const { return estimatePose(particles_, parameters_.estimate); }
+
+ private:
+  Eigen::Index nextSize() const;
+  void resampleAndSettle();
+
+  ParticleFilterParameters parameters_;
+  MotionModelParameters motion_parameters_;
+  Random random_;
+  ParticleSet particles_;
+  int settling_updates_left_ = 0;
+};
+
+}  // namespace racecar_mcl

@@ -1,0 +1,50 @@
+// From a weighted particle set to one pose with its uncertainty.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "racecar_mcl/particles.h"
+#include "racecar_mcl/resampling.h"
+
+namespace racecar_mcl {
+
+/// A pose with the covariance of (x, y, yaw): m^2, m rad, rad^2.
+struct PoseEstimate {
+  Pose2 base_in_map;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+enum class EstimateFrom {
+  kMean,     ///< the weighted mean of all particles (report, section 2.3)
+  kBest,     ///< the particle with the largest weight
+  kCluster,  ///< the weighted mean of the heaviest cluster: never between two places
+};
+
+/// Particles that lie in touching bins.
+struct Cluster {
+  PoseEstimate estimate;
+  double weight = 0.0;         ///< share of the whole set, in [0, 1]
+  Eigen::Index particles = 0;  ///< how many
+};
+
+/// The weighted mean (yaw by its circular mean) and covariance about it. Needs normalised weights
+/// and at least one particle. Of yaws that cancel out the result is the first particle's.
+PoseEstimate weightedMean(const ParticleSet& particles);
+
+/// The heaviest particle, with the covariance of the whole set about it.
+PoseEstimate bestParticle(const ParticleSet& particles);
+
+/// The clusters of the set, heaviest first; bins touch across edges and corners, and yaw wraps
+/// round.
+std::vector<Cluster> findClusters(const ParticleSet& particles, const PoseBins& bins = {});
+
+/// The estimate of the chosen kind.
+PoseEstimate estimatePose(const ParticleSet& particles, EstimateFrom from);
+
+/// The estimate after a motion with noise of the given covariance (in the frame of the car before
+/// the motion).
+PoseEstimate carryForward(const PoseEstimate& estimate, const Pose2& delta,
+                          const Eigen::Matrix3d& noise);
+
+}  // namespace racecar_mcl

@@ -1,0 +1,43 @@
+// Normalising log weights, measuring their concentration, and drawing a new set.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "racecar_mcl/particles.h"
+#include "racecar_mcl/random.h"
+
+namespace racecar_mcl {
+
+/// Shifts log weights so that the weights sum to 1 and returns the logarithm of their sum before.
+/// Where all weights are zero (or one is NaN or +inf) it returns -inf and leaves them as they are.
+double normalizeLogWeights(Eigen::ArrayXd* log_weights);
+
+/// 1 / sum of squared weights: between 1 (one particle holds all) and N (all are equal). Needs
+/// normalised weights.
+double effectiveSampleSize(const Eigen::ArrayXd& log_weights);
+
+enum class ResamplingMethod {
+  kSystematic,   ///< one random number, N equally spaced pointers: the least variance
+  kMultinomial,  ///< N independent draws
+};
+
+/// `count` particles drawn with probability equal to their weight, with uniform weights. Needs
+/// normalised weights.
+ParticleSet resample(const ParticleSet& particles, Eigen::Index count, ResamplingMethod method,
+                     Random& random);
+
+/// Size of one bin of the histogram that measures how many places a particle set occupies.
+struct PoseBins {
+  double position = 0.5;  ///< m
+  double yaw = 0.35;      ///< rad
+};
+
+/// The number of bins that hold at least one particle.
+Eigen::Index countOccupiedBins(const ParticleSet& particles, const PoseBins& bins);
+
+/// Particles needed so that, with probability `confidence` given as a standard normal quantile, the
+/// error of the histogram of `occupied_bins` bins stays under `error` (KLD sampling, Fox 2003, eq.
+/// 7).
+Eigen::Index kldSampleSize(Eigen::Index occupied_bins, double error = 0.05, double quantile = 2.33);
+
+}  // namespace racecar_mcl

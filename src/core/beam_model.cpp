@@ -1,0 +1,57 @@
+#include "racecar_mcl/beam_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl {
+
+void validate(const BeamModelParameters& p) {
+  validate(p.table);
+  const std::pair<const char*, double> positive[] = {
+      {"lidar_scale_to_map_scale", p.lidar_scale_to_map_scale},
+      {"pixels_per_cell", p.pixels_per_cell},
+      {"squash_factor", p.squash_factor}};
+  for (const auto& [name, value] : positive) {
+    if (!std::isfinite(value) || value <= 0.0) {
+      throw ParameterError(std::string(name) + " is " + std::to_string(value) +
+                           "; it must be positive");
+    }
+  }
+}
+
+BeamModel::BeamModel(const BeamModelParameters& parameters, double resolution)
+    : width_(parameters.table.table_width),
+      pixel_(resolution * parameters.lidar_scale_to_map_scale / parameters.pixels_per_cell),
+      squash_(1.0 / parameters.squash_factor) {
+  validate(parameters);
+  log_table_ = makeSensorTable(parameters.table).log().cast<float>().transpose();
+}
+
+void BeamModel::logLikelihood(const Eigen::ArrayXf& measured,
+                              const Eigen::Ref<const Eigen::ArrayXXf>& expected,
+                              Eigen::Ref<Eigen::ArrayXd> log_likelihood) const {
+  const auto beams = measured.size();
+  const float last = static_cast<float>(width_ - 1);
+  const float pixels_per_metre = static_cast<float>(1.0 / pixel_);
+  const auto pixelOf = [&](float range) {
+    return static_cast<int>(std::min(std::max(range * pixels_per_metre, 0.0f), last) + 0.5f);
+  };
+  std::vector<const float*> rows(static_cast<std::size_t>(beams));
+  for (Eigen::Index k = 0; k < beams; ++k) {
+    rows[static_cast<std::size_t>(k)] = log_table_.col(pixelOf(measured[k])).data();
+  }
+  for (Eigen::Index i = 0; i < expected.cols(); ++i) {
+    float sum = 0.0f;
+    for (Eigen::Index k = 0; k < beams; ++k) {
+      sum += rows[static_cast<std::size_t>(k)][pixelOf(expected(k, i))];
+    }
+    log_likelihood[i] = squash_ * static_cast<double>(sum);
+  }
+}
+
+}  // namespace racecar_mcl

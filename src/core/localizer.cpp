@@ -1,0 +1,245 @@
+#include "racecar_mcl/localizer.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl {
+namespace {
+
+// Motion between two scans under which the car counts as parked.
+constexpr double kParkedDistance = 1e-3;  // m
+constexpr double kParkedRotation = 1e-3;  // rad
+
+bool isParked(const Motion& motion) {
+  return motion.distance < kParkedDistance && motion.rotation < kParkedRotation;
+}
+
+void validate(const OdometryParameters& p) {
+  const std::pair<const char*, double> positive[] = {{"max_odometry_gap", p.max_odometry_gap},
+                                                     {"clock_jump", p.clock_jump}};
+  for (const auto& [name, value] : positive) {
+    if (!(std::isfinite(value) && value > 0.0)) {
+      throw ParameterError(std::string(name) + " is " + std::to_string(value) +
+                           " s; it must be positive");
+    }
+  }
+  if (!(std::isfinite(p.max_odometry_extrapolation) && p.max_odometry_extrapolation >= 0.0)) {
+    throw ParameterError("max_odometry_extrapolation is " +
+                         std::to_string(p.max_odometry_extrapolation) +
+                         " s; it must not be negative");
+  }
+}
+
+}  // namespace
+
+void validate(const LocalizerParameters& p) {
+  validate(p.filter);
+  validate(p.motion);
+  validate(p.beam_model);
+  validate(p.odometry);
+  std::ostringstream problem;
+  const std::vector<std::string> methods = rangeCasterNames();
+  if (std::find(methods.begin(), methods.end(), p.caster.range_method) == methods.end()) {
+    problem << "range_method is '" << p.caster.range_method << "'; it must be one of";
+    for (const std::string& method : methods) problem << " " << method;
+  } else if (!(std::isfinite(p.caster.max_range) && p.caster.max_range >= 0.0)) {
+    problem << "max_range is " << p.caster.max_range
+            << " m; it must be positive, or 0 for the sensor table's range";
+  } else if (p.num_beams_per_particle < 1 || p.num_beams_per_particle > 10000) {
+    problem << "num_beams_per_particle is " << p.num_beams_per_particle
+            << "; it must lie in [1, 10000]";
+  } else if (p.min_beams < 1 || p.min_beams > p.num_beams_per_particle) {
+    problem << "min_beams is " << p.min_beams
+            << "; it must lie in [1, num_beams_per_particle = " << p.num_beams_per_particle << "]";
+  } else if (!(p.scan_field_of_view > 0.0 && p.scan_field_of_view <= 2.0 * kPi + 1e-3)) {
+    problem << "scan_field_of_view is " << p.scan_field_of_view << " rad; it must lie in (0, 2 pi]";
+  } else if (p.parked_updates < 1) {
+    problem << "parked_updates is " << p.parked_updates << "; it must be at least 1";
+  }
+  if (!problem.str().empty()) throw ParameterError(problem.str());
+}
+
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const LocalizerParameters& parameters) {
+  return makeMapModel(std::move(grid), parameters.caster, parameters.beam_model);
+}
+
+std::string describe(ScanOutcome outcome) {
+  switch (outcome) {
+    case ScanOutcome::kUsed:
+      return "used";
+    case ScanOutcome::kParked:
+      return "parked: the estimate stays";
+    case ScanOutcome::kNoMap:
+      return "no map yet";
+    case ScanOutcome::kNoStart:
+      return "no start pose yet";
+    case ScanOutcome::kNotFinite:
+      return "scan stamp is not finite";
+    case ScanOutcome::kRepeatedStamp:
+      return "scan stamp repeats";
+    case ScanOutcome::kOutOfOrder:
+      return "scan is older than the last one";
+    case ScanOutcome::kTooFewBeams:
+      return "scan has too few valid beams";
+    case ScanOutcome::kTimeJumpedBack:
+      return "scan time jumped back";
+    case ScanOutcome::kWeightsVanished:
+      return "no particle could have seen this scan";
+  }
+  return "unknown";
+}
+
+Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
+    : parameters_((validate(parameters), parameters)),
+      filter_(parameters.filter, parameters.motion, seed),
+      odometry_(parameters.odometry) {}
+
+void Localizer::setMap(std::shared_ptr<MapModel> map) { map_ = std::move(map); }
+
+void Localizer::initialize(const PoseEstimate& start) {
+  const Pose2& pose = start.base_in_map;
+  if (map_ && isFinite(pose)) {
+    const GridGeometry& geometry = map_->grid.geometry();
+    if (!contains(geometry, cellAt(geometry, {pose.x, pose.y}))) {
+      std::ostringstream problem;
+      problem << "the start pose (" << pose.x << ", " << pose.y << ") lies outside the map of "
+              << geometry.width * geometry.resolution << " x "
+              << geometry.height * geometry.resolution << " m with its corner at ("
+              << geometry.origin.x << ", " << geometry.origin.y << ")";
+      throw ParameterError(problem.str());
+    }
+  }
+  filter_.initialize(start);
+  anchorHere();
+}
+
+bool Localizer::initializeGlobally() {
+  if (!map_) return false;
+  filter_.initializeGlobally(*map_);
+  anchorHere();
+  return true;
+}
+
+void Localizer::anchorHere() {
+  const std::optional<double> now = newestStamp();
+  anchor_ = Anchor{filter_.estimate(), now ? odometry_.at(*now) : OdometryState{}};
+  scans_since_stop_ = 0;
+}
+
+OdometryOutcome Localizer::addOdometry(const OdometrySample& sample) {
+  ++counters_.odometry_seen;
+  const OdometryOutcome outcome = odometry_.add(sample);
+  switch (outcome) {
+    case OdometryOutcome::kNotFinite:
+    case OdometryOutcome::kRepeatedStamp:
+    case OdometryOutcome::kOutOfOrder:
+      ++counters_.odometry_dropped;
+      return outcome;
+    case OdometryOutcome::kTimeJumpedBack:
+      ++counters_.time_jumps;
+      last_scan_stamp_.reset();
+      break;
+    case OdometryOutcome::kGap:
+      ++counters_.odometry_gaps;
+      break;
+    case OdometryOutcome::kUsed:
+      break;
+  }
+  ++counters_.odometry_used;
+  return outcome;
+}
+
+ScanOutcome Localizer::admit(const Scan& scan) {
+  if (!std::isfinite(scan.stamp)) return ScanOutcome::kNotFinite;
+  if (last_scan_stamp_) {
+    const double elapsed = scan.stamp - *last_scan_stamp_;
+    if (elapsed == 0.0) return ScanOutcome::kRepeatedStamp;
+    if (elapsed <= -parameters_.odometry.clock_jump) {
+      ++counters_.time_jumps;
+      last_scan_stamp_.reset();
+      return ScanOutcome::kTimeJumpedBack;
+    }
+    if (elapsed < 0.0) return ScanOutcome::kOutOfOrder;
+  }
+  if (!map_) return ScanOutcome::kNoMap;
+  if (!initialized()) return ScanOutcome::kNoStart;
+  return ScanOutcome::kUsed;
+}
+
+Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
+  ++counters_.scans_seen;
+  ScanTask task;
+  task.result.stamp = scan.stamp;
+  task.result.outcome = admit(scan);
+  if (task.result.outcome != ScanOutcome::kUsed) return task;
+
+  task.beams =
+      selectBeams(scan, parameters_.num_beams_per_particle, parameters_.scan_field_of_view);
+  if (task.beams.size() < parameters_.min_beams) {
+    task.result.outcome = ScanOutcome::kTooFewBeams;
+    return task;
+  }
+  task.odometry = odometry_.at(scan.stamp);
+  task.motion = motionBetween(anchor_->odometry, task.odometry);
+  if (parameters_.deskew && task.beams.seconds_after_stamp.maxCoeff() > 0.0f) {
+    task.beams = deskew(task.beams, [&](double seconds) {
+      return between(task.odometry.base_in_odom, odometry_.at(scan.stamp + seconds).base_in_odom);
+    });
+  }
+  scans_since_stop_ = isParked(task.motion) ? scans_since_stop_ + 1 : 0;
+  task.weigh = scans_since_stop_ <= parameters_.parked_updates;
+  if (!task.weigh) task.result.outcome = ScanOutcome::kParked;
+  last_scan_stamp_ = scan.stamp;
+  return task;
+}
+
+void Localizer::processScan(ScanTask* task) {
+  if (!task->weigh) return;
+  filter_.predict(task->motion);
+  task->result.update = filter_.update(map_.get(), task->beams);
+  if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;
+}
+
+ScanResult Localizer::commitScan(const ScanTask& task) {
+  ScanResult result = task.result;
+  switch (result.outcome) {
+    case ScanOutcome::kUsed:
+      ++counters_.scans_used;
+      break;
+    case ScanOutcome::kWeightsVanished:
+      ++counters_.weights_vanished;
+      break;
+    case ScanOutcome::kParked:
+      ++counters_.scans_parked;
+      result.update.estimate = anchor_->estimate;
+      return result;
+    default:
+      ++counters_.scans_dropped;
+      return result;
+  }
+  anchor_ = Anchor{result.update.estimate, task.odometry};
+  return result;
+}
+
+ScanResult Localizer::addScan(const Scan& scan) {
+  ScanTask task = prepareScan(scan);
+  processScan(&task);
+  return commitScan(task);
+}
+
+std::optional<PoseEstimate> Localizer::estimateAt(double stamp) const {
+  if (!anchor_) return std::nullopt;
+  const OdometryState then = odometry_.at(stamp);
+  const Motion motion = motionBetween(anchor_->odometry, then);
+  return carryForward(anchor_->estimate, motion.delta,
+                      motionCovariance(parameters_.motion, motion));
+}
+
+std::optional<double> Localizer::newestStamp() const {
+  if (odometry_.empty()) return last_scan_stamp_;
+  return std::max(odometry_.newestStamp(), last_scan_stamp_.value_or(odometry_.newestStamp()));
+}
+
+}  // namespace racecar_mcl

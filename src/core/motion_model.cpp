@@ -1,0 +1,133 @@
+#include "racecar_mcl/motion_model.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl {
+namespace {
+
+double square(double value) { return value * value; }
+
+Eigen::Matrix3d constantNoise(const MotionModelParameters& p, const Motion& motion) {
+  const Eigen::Vector3d per_message(square(p.constant_x_sigma), square(p.constant_y_sigma),
+                                    square(p.constant_yaw_sigma));
+  return (per_message * motion.messages).asDiagonal();
+}
+
+/// Rotation, translation, rotation (Probabilistic Robotics, section 5.4), linearised about the
+/// motion. Driving backwards is driving, not two half turns.
+Eigen::Matrix3d differentialNoise(const MotionModelParameters& p, const Motion& motion) {
+  const Pose2& d = motion.delta;
+  const double drive = std::hypot(d.x, d.y);
+  double first_turn = drive < 1e-3 ? 0.0 : std::atan2(d.y, d.x);
+  const bool backwards = std::abs(first_turn) > kPi / 2;
+  if (backwards) first_turn = wrapAngle(first_turn - kPi);
+  const double second_turn = wrapAngle(d.yaw - first_turn);
+  const auto turnVariance = [&](double turn) {
+    return square(p.turn_per_turn * turn) + square(p.turn_per_metre * drive);
+  };
+  const double first_variance = turnVariance(first_turn);
+  const double second_variance = turnVariance(second_turn);
+  const double drive_variance =
+      square(p.drive_per_metre * drive) +
+      square(p.drive_per_turn) * (square(first_turn) + square(second_turn));
+
+  const double signed_drive = backwards ? -drive : drive;
+  const double c = std::cos(first_turn);
+  const double s = std::sin(first_turn);
+  Eigen::Matrix3d jacobian;  // of (x, y, yaw) by (first turn, drive, second turn)
+  jacobian << -signed_drive * s, c, 0.0, signed_drive * c, s, 0.0, 1.0, 0.0, 1.0;
+  return jacobian * Eigen::Vector3d(first_variance, drive_variance, second_variance).asDiagonal() *
+         jacobian.transpose();
+}
+
+/// A heading that walks at random while the car drives a length L bends the path sideways: var(y) =
+/// L^2/3 and cov(y, yaw) = L/2 times the variance of the yaw.
+Eigen::Matrix3d ackermannNoise(const MotionModelParameters& p, const Motion& motion) {
+  const double yaw_variance = square(p.yaw_per_metre) * motion.distance +
+                              square(p.yaw_per_radian) * motion.rotation +
+                              square(p.yaw_per_second) * motion.seconds;
+  const double speed = motion.seconds > 0.0 ? motion.distance / motion.seconds : 0.0;
+  const double turn_rate = motion.seconds > 0.0 ? motion.rotation / motion.seconds : 0.0;
+  const double slip = square(p.slip_per_acceleration * speed * turn_rate) * motion.distance;
+  const double still = square(p.position_per_second) * motion.seconds;
+  const double along = square(p.along_per_metre) * motion.distance + slip + still;
+  const double across = square(p.across_per_metre) * motion.distance + slip + still;
+
+  const double heading_length = motion.delta.x;
+  Eigen::Matrix3d covariance = Eigen::Vector3d(along, across, yaw_variance).asDiagonal();
+  covariance(1, 1) += yaw_variance * square(heading_length) / 3.0;
+  covariance(1, 2) = covariance(2, 1) = yaw_variance * heading_length / 2.0;
+  return covariance;
+}
+
+}  // namespace
+
+void validate(const MotionModelParameters& p) {
+  const std::pair<const char*, double> sigmas[] = {
+      {"constant_x_sigma", p.constant_x_sigma},
+      {"constant_y_sigma", p.constant_y_sigma},
+      {"constant_yaw_sigma", p.constant_yaw_sigma},
+      {"turn_per_turn", p.turn_per_turn},
+      {"turn_per_metre", p.turn_per_metre},
+      {"drive_per_metre", p.drive_per_metre},
+      {"drive_per_turn", p.drive_per_turn},
+      {"along_per_metre", p.along_per_metre},
+      {"across_per_metre", p.across_per_metre},
+      {"yaw_per_metre", p.yaw_per_metre},
+      {"yaw_per_radian", p.yaw_per_radian},
+      {"position_per_second", p.position_per_second},
+      {"yaw_per_second", p.yaw_per_second},
+      {"slip_per_acceleration", p.slip_per_acceleration}};
+  for (const auto& [name, value] : sigmas) {
+    if (!std::isfinite(value) || value < 0.0) {
+      throw ParameterError(std::string(name) + " is " + std::to_string(value) +
+                           "; it must be finite and not negative");
+    }
+  }
+}
+
+Eigen::Matrix3d motionCovariance(const MotionModelParameters& parameters, const Motion& motion) {
+  if (parameters.deterministic) return Eigen::Matrix3d::Zero();
+  switch (parameters.motion_model) {
+    case MotionNoise::kConstant:
+      return constantNoise(parameters, motion);
+    case MotionNoise::kDifferential:
+      return differentialNoise(parameters, motion);
+    case MotionNoise::kAckermann:
+      return ackermannNoise(parameters, motion);
+  }
+  return Eigen::Matrix3d::Zero();
+}
+
+void moveParticles(const MotionModelParameters& parameters, const Motion& motion, Random& random,
+                   ParticleSet* particles) {
+  const Eigen::Matrix3d covariance = motionCovariance(parameters, motion);
+  const bool noisy = !covariance.isZero(0.0);
+  // LDLT stands a covariance of less than full rank, as of a car that only turned.
+  const Eigen::LDLT<Eigen::Matrix3d> factors(covariance);
+  const Eigen::Matrix3d root =
+      factors.transpositionsP().transpose() *
+      Eigen::Matrix3d(factors.matrixL() *
+                      Eigen::Matrix3d(factors.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal()));
+  for (Eigen::Index i = 0; i < particles->size(); ++i) {
+    const double c = std::cos(particles->yaw[i]);
+    const double s = std::sin(particles->yaw[i]);
+    Eigen::Vector3d step(motion.delta.x, motion.delta.y, motion.delta.yaw);
+    if (noisy) {
+      const double a = random.gaussian();
+      const double b = random.gaussian();
+      const double d = random.gaussian();
+      step += root * Eigen::Vector3d(a, b, d);
+    }
+    particles->x[i] += c * step.x() - s * step.y();
+    particles->y[i] += s * step.x() + c * step.y();
+    particles->yaw[i] = wrapAngle(particles->yaw[i] + step.z());
+  }
+}
+
+}  // namespace racecar_mcl

@@ -1,0 +1,118 @@
+#include "racecar_mcl/odometry.h"
+
+#include <algorithm>
+
+namespace racecar_mcl {
+namespace {
+
+constexpr double kHistorySeconds = 10.0;
+// Under these a car stands still, whatever its encoders whisper.
+constexpr double kStillSpeed = 1e-3;  // m/s
+constexpr double kStillTurn = 1e-3;   // rad/s
+
+OdometryState advance(const OdometryState& from, const Twist2& twist, double seconds,
+                      double messages) {
+  const double speed = std::hypot(twist.vx, twist.vy);
+  const bool moving = speed > kStillSpeed || std::abs(twist.wz) > kStillTurn;
+  return {compose(from.base_in_odom, integrate(twist, seconds)), from.distance + speed * seconds,
+          from.rotation + std::abs(twist.wz) * seconds, from.seconds + (moving ? seconds : 0.0),
+          from.messages + messages};
+}
+
+/// The constant twist that moves a body by `delta` in `seconds`: the inverse of `integrate`.
+Twist2 twistOf(const Pose2& delta, double seconds) {
+  const double half = delta.yaw / 2.0;
+  const double a = std::abs(half) < 1e-4 ? 1.0 - half * half / 3.0 : half / std::tan(half);
+  return {(a * delta.x + half * delta.y) / seconds, (a * delta.y - half * delta.x) / seconds,
+          delta.yaw / seconds};
+}
+
+}  // namespace
+
+Motion motionBetween(const OdometryState& earlier, const OdometryState& later) {
+  return {between(earlier.base_in_odom, later.base_in_odom),
+          std::max(0.0, later.distance - earlier.distance),
+          std::max(0.0, later.rotation - earlier.rotation),
+          std::max(0.0, later.seconds - earlier.seconds),
+          std::max(0.0, later.messages - earlier.messages)};
+}
+
+std::string describe(OdometryOutcome outcome) {
+  switch (outcome) {
+    case OdometryOutcome::kUsed:
+      return "used";
+    case OdometryOutcome::kNotFinite:
+      return "odometry holds NaN or inf";
+    case OdometryOutcome::kRepeatedStamp:
+      return "odometry stamp repeats";
+    case OdometryOutcome::kOutOfOrder:
+      return "odometry is older than the newest";
+    case OdometryOutcome::kGap:
+      return "odometry was missing for longer than max_odometry_gap";
+    case OdometryOutcome::kTimeJumpedBack:
+      return "odometry time jumped back";
+  }
+  return "unknown";
+}
+
+OdometryOutcome OdometryHistory::add(const OdometrySample& sample) {
+  const bool from_pose = parameters_.motion_from == MotionFrom::kPose;
+  if (!std::isfinite(sample.stamp) ||
+      !(from_pose ? isFinite(sample.base_in_odom) : isFinite(sample.twist))) {
+    return OdometryOutcome::kNotFinite;
+  }
+  if (entries_.empty()) {
+    entries_.push_back({sample.stamp, sample.twist, 0.0, sample.base_in_odom, OdometryState{}});
+    return OdometryOutcome::kUsed;
+  }
+
+  const Entry& last = entries_.back();
+  const double elapsed = sample.stamp - last.stamp;
+  if (elapsed <= -parameters_.clock_jump) {
+    const OdometryState state =
+        last.state;  // the sums go on, so that anchors taken before stay valid
+    entries_.clear();
+    entries_.push_back({sample.stamp, sample.twist, 0.0, sample.base_in_odom, state});
+    return OdometryOutcome::kTimeJumpedBack;
+  }
+  if (elapsed == 0.0) return OdometryOutcome::kRepeatedStamp;
+  if (elapsed < 0.0) return OdometryOutcome::kOutOfOrder;
+
+  const bool gap = elapsed > parameters_.max_odometry_gap;
+  Entry entry;
+  entry.stamp = sample.stamp;
+  entry.seconds = elapsed;
+  entry.base_in_odom = sample.base_in_odom;
+  if (from_pose) {
+    entry.twist = twistOf(between(last.base_in_odom, sample.base_in_odom), elapsed);
+  } else {
+    // Over a gap the twist is believed for max_odometry_gap of it, spread over the whole.
+    const double share = gap ? parameters_.max_odometry_gap / elapsed : 1.0;
+    entry.twist = {sample.twist.vx * share, sample.twist.vy * share, sample.twist.wz * share};
+  }
+  entry.state = advance(last.state, entry.twist, elapsed, 1.0);
+  entries_.push_back(entry);
+  while (entries_.size() > 2 && entries_[1].stamp < sample.stamp - kHistorySeconds) {
+    entries_.pop_front();
+  }
+  return gap ? OdometryOutcome::kGap : OdometryOutcome::kUsed;
+}
+
+OdometryState OdometryHistory::at(double stamp) const {
+  if (entries_.empty()) return {};
+  const Entry& newest = entries_.back();
+  if (stamp >= newest.stamp) {
+    const double ahead = std::min(stamp - newest.stamp, parameters_.max_odometry_extrapolation);
+    const double period = newest.seconds > 0.0 ? newest.seconds : ahead;
+    return advance(newest.state, newest.twist, ahead, period > 0.0 ? ahead / period : 0.0);
+  }
+  const auto later =
+      std::upper_bound(entries_.begin(), entries_.end(), stamp,
+                       [](double value, const Entry& entry) { return value < entry.stamp; });
+  if (later == entries_.begin()) return entries_.front().state;
+  const Entry& earlier = *(later - 1);
+  const double elapsed = stamp - earlier.stamp;
+  return advance(earlier.state, later->twist, elapsed, elapsed / later->seconds);
+}
+
+}  // namespace racecar_mcl

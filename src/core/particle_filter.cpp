@@ -1,0 +1,206 @@
+#include "racecar_mcl/particle_filter.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl {
+namespace {
+
+// Particles cast and weighed together: their ranges stay in the first-level cache.
+constexpr Eigen::Index kChunk = 64;
+
+/// Where the lidar is for each particle.
+struct LidarPoses {
+  Eigen::ArrayXd x, y, yaw;
+  PoseBatch batch() const { return {x.data(), y.data(), yaw.data(), x.size()}; }
+};
+
+LidarPoses lidarPoses(const ParticleSet& particles, const Pose2& laser_in_base) {
+  const Eigen::ArrayXd c = particles.yaw.cos();
+  const Eigen::ArrayXd s = particles.yaw.sin();
+  return {particles.x + c * laser_in_base.x - s * laser_in_base.y,
+          particles.y + s * laser_in_base.x + c * laser_in_base.y,
+          particles.yaw + laser_in_base.yaw};
+}
+
+Eigen::ArrayXd logLikelihoods(MapModel* map, const ParticleSet& particles, const Scan& beams) {
+  const LidarPoses lidars = lidarPoses(particles, beams.laser_in_base);
+  map->caster->prepare(lidars.batch(), beams.bearings);
+  Eigen::ArrayXd log_likelihoods(particles.size());
+  Eigen::ArrayXXf ranges(beams.size(), kChunk);
+  for (Eigen::Index first = 0; first < particles.size(); first += kChunk) {
+    const Eigen::Index count = std::min(kChunk, particles.size() - first);
+    map->caster->cast(lidars.batch().segment(first, count), beams.bearings, ranges.leftCols(count));
+    map->beam_model.logLikelihood(beams.ranges, ranges.leftCols(count),
+                                  log_likelihoods.segment(first, count));
+  }
+  return log_likelihoods;
+}
+
+/// A square root of a covariance; throws where the matrix is none.
+Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Eigen::Vector3d values = solver.eigenvalues();
+  if (values.minCoeff() < -1e-9 * std::max(1.0, values.maxCoeff())) {
+    std::ostringstream problem;
+    problem << "the covariance of the start pose has a negative eigenvalue (" << values.minCoeff()
+            << "); it must be positive semi-definite";
+    throw ParameterError(problem.str());
+  }
+  return solver.eigenvectors() * Eigen::Matrix3d(values.cwiseMax(0.0).cwiseSqrt().asDiagonal());
+}
+
+Eigen::Matrix3d startCovariance(const PoseEstimate& start, double sigma) {
+  Eigen::Matrix3d covariance = 0.5 * (start.covariance + start.covariance.transpose());
+  for (int i = 0; i < 3; ++i) {
+    if (covariance(i, i) == 0.0) {
+      covariance.row(i).setZero();
+      covariance.col(i).setZero();
+      covariance(i, i) = sigma * sigma;
+    }
+  }
+  return covariance;
+}
+
+}  // namespace
+
+void validate(const ParticleFilterParameters& p) {
+  std::ostringstream problem;
+  if (p.num_particles < 1 || p.num_particles > 10000000) {
+    problem << "num_particles is " << p.num_particles << "; it must lie in [1, 10000000]";
+  } else if (p.global_particles < p.num_particles || p.global_particles > 10000000) {
+    problem << "global_particles is " << p.global_particles
+            << "; it must lie in [num_particles = " << p.num_particles << ", 10000000]";
+  } else if (!(p.resample_threshold >= 0.0 && p.resample_threshold <= 1.0)) {
+    problem << "resample_threshold is " << p.resample_threshold << "; it must lie in [0, 1]";
+  } else if (!(p.initial_sigma > 0.0 && std::isfinite(p.initial_sigma))) {
+    problem << "initial_sigma is " << p.initial_sigma << "; it must be positive";
+  } else if (p.settling_updates < 0) {
+    problem << "settling_updates is " << p.settling_updates << "; it must not be negative";
+  }
+  if (!problem.str().empty()) throw ParameterError(problem.str());
+}
+
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const RangeCasterParameters& caster,
+                                       const BeamModelParameters& beam_model) {
+  std::vector<Cell> free_cells = freeCells(grid);
+  if (free_cells.empty()) {
+    throw MapError("the map of " + std::to_string(grid.geometry().width) + " x " +
+                   std::to_string(grid.geometry().height) +
+                   " cells has no free cell: a car can be nowhere on it");
+  }
+  BeamModel model(beam_model, grid.geometry().resolution);
+  RangeCasterParameters filled = caster;
+  if (filled.max_range == 0.0) filled.max_range = model.maxRange();
+  std::unique_ptr<RangeCaster> made = makeRangeCaster(grid, filled);
+  return std::make_shared<MapModel>(
+      MapModel{std::move(grid), std::move(made), std::move(model), std::move(free_cells)});
+}
+
+ParticleFilter::ParticleFilter(const ParticleFilterParameters& parameters,
+                               const MotionModelParameters& motion, std::uint64_t seed)
+    : parameters_(parameters), motion_parameters_(motion), random_(seed) {
+  validate(parameters_);
+  validate(motion_parameters_);
+}
+
+void ParticleFilter::initialize(const PoseEstimate& start) {
+  if (!isFinite(start.base_in_map) || !start.covariance.allFinite()) {
+    throw ParameterError("the start pose and its covariance must be finite");
+  }
+  const Eigen::Matrix3d root = rootOf(startCovariance(start, parameters_.initial_sigma));
+  ParticleSet particles;
+  particles.resize(parameters_.num_particles);
+  for (Eigen::Index i = 0; i < particles.size(); ++i) {
+    const double a = random_.gaussian();
+    const double b = random_.gaussian();
+    const double c = random_.gaussian();
+    const Eigen::Vector3d offset = root * Eigen::Vector3d(a, b, c);
+    particles.setPose(i, {start.base_in_map.x + offset.x(), start.base_in_map.y + offset.y(),
+                          wrapAngle(start.base_in_map.yaw + offset.z())});
+  }
+  particles.log_weight.setConstant(-std::log(static_cast<double>(particles.size())));
+  particles_ = std::move(particles);
+  settling_updates_left_ = parameters_.settling_updates;
+}
+
+void ParticleFilter::initializeGlobally(const MapModel& map) {
+  ParticleSet particles;
+  particles.resize(parameters_.global_particles);
+  for (Eigen::Index i = 0; i < particles.size(); ++i) {
+    const Cell& cell = map.free_cells[random_.index(map.free_cells.size())];
+    const double across = random_.uniform();
+    const double up = random_.uniform();
+    const Eigen::Vector2d point =
+        gridToWorld(map.grid.geometry(), {cell.column + across, cell.row + up});
+    particles.setPose(i, {point.x(), point.y(), random_.uniform(-kPi, kPi)});
+  }
+  particles.log_weight.setConstant(-std::log(static_cast<double>(particles.size())));
+  particles_ = std::move(particles);
+  settling_updates_left_ = parameters_.settling_updates;
+}
+
+void ParticleFilter::predict(const Motion& motion) {
+  moveParticles(motion_parameters_, motion, random_, &particles_);
+}
+
+UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
+  UpdateResult result;
+  result.beams = static_cast<int>(beams.size());
+  result.particles = static_cast<int>(particles_.size());
+
+  const Eigen::ArrayXd before = particles_.log_weight;
+  particles_.log_weight += logLikelihoods(map, particles_, beams);
+  result.log_likelihood = normalizeLogWeights(&particles_.log_weight);
+  if (!std::isfinite(result.log_likelihood)) {
+    particles_.log_weight = before;
+    result.weights_vanished = true;
+  }
+
+  result.effective_sample_size = effectiveSampleSize(particles_.log_weight);
+  result.estimate = estimatePose(particles_, parameters_.estimate);
+  const double threshold = parameters_.resample_threshold * static_cast<double>(particles_.size());
+  if (result.effective_sample_size <= threshold && !result.weights_vanished) {
+    resampleAndSettle();
+    result.resampled = true;
+  }
+  return result;
+}
+
+Eigen::Index ParticleFilter::nextSize() const {
+  if (particles_.size() <= parameters_.num_particles) return parameters_.num_particles;
+  // Finer bins than a cluster's: the set shrinks no faster than the scans tell its places apart.
+  const Eigen::Index wanted = kldSampleSize(countOccupiedBins(particles_, {0.25, 0.17}));
+  return std::min(particles_.size(), std::max<Eigen::Index>(parameters_.num_particles, wanted));
+}
+
+void ParticleFilter::resampleAndSettle() {
+  ParticleSet drawn = resample(particles_, particles_.size(), parameters_.resampling, random_);
+  std::swap(particles_, drawn);
+  const Eigen::Index size = nextSize();
+  if (size < particles_.size()) {
+    particles_ = resample(drawn, size, parameters_.resampling, random_);
+  }
+  if (settling_updates_left_ == 0) return;
+  --settling_updates_left_;
+
+  // A regularised particle filter's step (Musso, Oudjane and Le Gland 2001): each copy moves by a
+  // Gaussian kernel of the set's own covariance, its width after Silverman for three dimensions.
+  const double bandwidth = 0.5 * std::pow(static_cast<double>(particles_.size()), -1.0 / 7.0);
+  const Eigen::Matrix3d root =
+      bandwidth * rootOf(estimatePose(particles_, EstimateFrom::kCluster).covariance);
+  for (Eigen::Index i = 0; i < particles_.size(); ++i) {
+    const double a = random_.gaussian();
+    const double b = random_.gaussian();
+    const double c = random_.gaussian();
+    const Eigen::Vector3d offset = root * Eigen::Vector3d(a, b, c);
+    particles_.setPose(i, {particles_.x[i] + offset.x(), particles_.y[i] + offset.y(),
+                           wrapAngle(particles_.yaw[i] + offset.z())});
+  }
+}
+
+}  // namespace racecar_mcl
