@@ -33,8 +33,8 @@ struct RangeCasterParameters {
 /// A range is the distance from the pose to the point where the ray enters the first obstacle cell,
 /// at most `max_range`. It is 0 from inside an obstacle, and `max_range` where the ray meets none.
 /// The outside of the map is unknown: with unknown_is free a ray passes through it, into the map
-/// again if it points there; with unknown_is occupied it ends there. A pose that is not finite
-/// gives `max_range`.
+/// again if it points there; with unknown_is occupied it ends there. A pose or bearing that is not
+/// finite gives `max_range`.
 class RangeCaster {
  public:
   virtual ~RangeCaster() = default;
@@ -45,7 +45,8 @@ class RangeCaster {
   virtual void prepare(const PoseBatch& /*lidar_in_map*/, const Eigen::ArrayXf& /*bearings*/) {}
 
   /// `ranges(k, i)`, m, for bearing k (rad, counter-clockwise from the pose's yaw) of pose i;
-  /// `ranges` is already bearings.size() x poses.size. Safe to call from several threads.
+  /// `ranges` is already bearings.size() x poses.size, else std::invalid_argument is thrown. Safe
+  /// to call from several threads.
   virtual void cast(const PoseBatch& lidar_in_map, const Eigen::ArrayXf& bearings,
                     Eigen::Ref<Eigen::ArrayXXf> ranges) const = 0;
 

@@ -1,0 +1,71 @@
+// The cells rays walk over: the map inside a ring of one cell, so that no step needs a bounds
+// check.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "racecar_mcl/occupancy_grid.h"
+
+namespace racecar_mcl {
+
+/// A pose seen from the grid: position in padded cells (the map's corner is (1, 1)), yaw from the
+/// grid's x axis.
+struct PoseInCells {
+  double x = 0.0;
+  double y = 0.0;
+  double cos_yaw = 1.0;
+  double sin_yaw = 0.0;
+};
+
+/// A ray that starts inside the map: origin in padded cells, unit direction in the grid.
+struct RayInCells {
+  double x = 0.0;
+  double y = 0.0;
+  double dx = 1.0;
+  double dy = 0.0;
+};
+
+enum CellKind : std::uint8_t {
+  kPass = 0,      ///< a ray goes on
+  kObstacle = 1,  ///< a ray ends here
+  kOutside = 2    ///< the ring, where the outside is free: nothing comes after it
+};
+
+/// The kinds of all padded cells, row by row, the ring included.
+std::vector<std::uint8_t> cellKinds(const OccupancyGrid& grid, UnknownIs unknown_is);
+
+/// Where the padded cells lie.
+class PaddedGrid {
+ public:
+  PaddedGrid(const GridGeometry& geometry, UnknownIs unknown_is);
+
+  int width() const { return geometry_.width + 2; }
+  int height() const { return geometry_.height + 2; }
+  double resolution() const { return geometry_.resolution; }
+  bool outsideIsFree() const { return outside_is_free_; }
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width()) +
+           static_cast<std::size_t>(column);
+  }
+
+  PoseInCells toCells(double x, double y, double yaw) const;
+
+  /// Whether a position lies in the map, the ring excluded. False for what is not a number.
+  bool contains(double x, double y) const {
+    return x >= 1.0 && y >= 1.0 && x < geometry_.width + 1.0 && y < geometry_.height + 1.0;
+  }
+
+  /// Moves the origin of a ray from outside the map to where it enters it. Returns the distance
+  /// moved in cells, or infinity where the ray misses the map.
+  double enter(RayInCells& ray) const;
+
+ private:
+  GridGeometry geometry_;
+  bool outside_is_free_;
+  double cos_origin_;
+  double sin_origin_;
+};
+
+}  // namespace racecar_mcl
