@@ -1,0 +1,36 @@
+// The node's state in words (REP-107).
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+
+#include <cstdint>
+#include <string>
+
+#include "racecar_mcl/localizer.h"
+
+namespace racecar_mcl {
+
+/// A snapshot of everything worth reporting.
+struct NodeStatus {
+  bool has_map = false;
+  bool started = false;
+  LocalizerCounters counters;
+  std::uint64_t scans_unreadable = 0;  ///< messages that no conversion accepted
+  std::uint64_t scans_without_tf = 0;  ///< no transform from the scan's frame to the car
+  std::uint64_t scans_superseded = 0;  ///< a newer scan came before its turn
+  std::uint64_t starts_refused = 0;    ///< start poses that could not be used
+  std::string last_problem;            ///< the newest of the above in words
+  double seconds_since_scan = 0.0;     ///< s, of wall time; since the node's start before the first
+  double seconds_since_odometry = 0.0;  ///< s, of wall time
+  double latency_p50 = 0.0;             ///< s, from a scan's arrival to its tf
+  double latency_p99 = 0.0;             ///< s
+  double effective_sample_size = 0.0;
+  int particles = 0;
+  int beams = 0;
+  double position_sigma = 0.0;  ///< m, the larger axis
+  double yaw_sigma = 0.0;       ///< rad
+};
+
+diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& status, const std::string& name);
+
+}  // namespace racecar_mcl

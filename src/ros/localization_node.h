@@ -1,0 +1,113 @@
+// The localizer on the ROS graph: subscribes, converts, hands over, publishes.
+//
+// Two threads meet here. ROS callbacks take odometry in and pass everything else on; the worker
+// owns the particles and the map and does what takes long. They share the localizer's timeline
+// (odometry, estimate, counters) under one mutex that nobody holds for long, so that odometry never
+// waits for a scan.
+#pragma once
+
+#include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Odometry.h>
+#include <nav_msgs/SetMap.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <std_srvs/Empty.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "racecar_mcl/localizer.h"
+#include "ros/conversions.h"
+#include "ros/diagnostics.h"
+#include "ros/latency_window.h"
+#include "ros/latest_slot.h"
+#include "ros/node_parameters.h"
+#include "ros/task_thread.h"
+#include "ros/tf_parent_watch.h"
+
+namespace racecar_mcl {
+
+class LocalizationNode {
+ public:
+  /// Topics are relative to `node`, parameters to `private_node`. Throws ParameterError.
+  LocalizationNode(ros::NodeHandle node, ros::NodeHandle private_node);
+  ~LocalizationNode();
+
+ private:
+  struct ReceivedScan {
+    sensor_msgs::LaserScanConstPtr message;
+    ros::WallTime arrival;
+  };
+
+  // Callbacks; each only converts and passes on.
+  void onOdometry(const nav_msgs::OdometryConstPtr& message);
+  void onScan(const sensor_msgs::LaserScanConstPtr& message);
+  void onMap(const nav_msgs::OccupancyGridConstPtr& message);
+  void onInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
+  void onClickedPoint(const geometry_msgs::PointStampedConstPtr& message);
+  bool onGlobalLocalization(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool onNoMotionUpdate(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool onSetMap(nav_msgs::SetMap::Request& request, nav_msgs::SetMap::Response& response);
+  void onDiagnosticsTimer(const ros::WallTimerEvent&);
+
+  // The worker's tasks.
+  void buildMap();
+  void processScan();
+  void start(const PoseEstimate& pose);
+  void startGlobally();
+
+  std::optional<LaserMount> laserMount(const std::string& frame);
+  void waitForOdometry(double stamp);
+  void restartAfterTimeJump();
+  void publishPose(bool after_scan);
+  void broadcast(const PoseEstimate& estimate, double stamp);
+  void publishScanTopics(const sensor_msgs::LaserScan& message, const LaserMount& mount,
+                         const ScanResult& result);
+  void reportDropped(const ScanResult& result);
+  void refuse(std::uint64_t NodeStatus::*counter, const std::string& problem);
+
+  NodeParameters parameters_;
+  ros::NodeHandle node_;
+
+  std::mutex
+      timeline_mutex_;  ///< guards the localizer's timeline and the fields up to the publishers
+  std::condition_variable odometry_arrived_;
+  Localizer localizer_;
+  NodeStatus status_;
+  LatencyWindow latency_;
+  ros::WallTime last_scan_arrival_;
+  ros::WallTime last_odometry_arrival_;
+  double last_published_stamp_ = 0.0;
+  std::optional<Pose2> base_in_odom_;  ///< as the newest odometry message gave it
+  double base_in_odom_stamp_ = 0.0;
+
+  ros::Publisher pose_publisher_, inferred_pose_publisher_, amcl_pose_publisher_;
+  ros::Publisher particles_publisher_, markers_publisher_, scan_publisher_, fake_scan_publisher_;
+  ros::Publisher diagnostics_publisher_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  tf2_ros::Buffer tf_buffer_;
+  tf2_ros::TransformListener tf_listener_;
+  TfParentWatch tf_parent_watch_;
+  ros::WallTime last_visualization_;
+
+  LatestSlot<ReceivedScan> newest_scan_;
+  LatestSlot<nav_msgs::OccupancyGridConstPtr> newest_map_;
+  TaskThread map_builder_;
+  TaskThread worker_;
+
+  // Last, so that no callback finds a part missing.
+  std::vector<ros::Subscriber> subscribers_;
+  std::vector<ros::ServiceServer> services_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace racecar_mcl

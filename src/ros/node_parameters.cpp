@@ -1,0 +1,150 @@
+#include "ros/node_parameters.h"
+
+#include <XmlRpcValue.h>
+
+#include <limits>
+#include <map>
+#include <sstream>
+
+#include "racecar_mcl/errors.h"
+#include "racecar_mcl/parameters.h"
+#include "ros/conversions.h"
+
+namespace racecar_mcl {
+namespace {
+
+/// A parameter server's value as YAML would write it.
+std::string textOf(const std::string& name, XmlRpc::XmlRpcValue value) {
+  std::ostringstream text;
+  text.precision(std::numeric_limits<double>::digits10);
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      text << (static_cast<bool>(value) ? "true" : "false");
+      break;
+    case XmlRpc::XmlRpcValue::TypeInt:
+      text << static_cast<int>(value);
+      break;
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      text << static_cast<double>(value);
+      break;
+    case XmlRpc::XmlRpcValue::TypeString:
+      text << static_cast<std::string>(value);
+      break;
+    case XmlRpc::XmlRpcValue::TypeArray:
+      for (int i = 0; i < value.size(); ++i) text << (i ? " " : "") << textOf(name, value[i]);
+      break;
+    default:
+      throw ParameterError(name + " must be a single value, not a structure");
+  }
+  return text.str();
+}
+
+[[noreturn]] void refuse(const std::string& name, const std::string& text,
+                         const std::string& expected) {
+  throw ParameterError(name + " is '" + text + "'; expected " + expected);
+}
+
+double parseNumber(const std::string& name, const std::string& text) {
+  std::istringstream stream(text);
+  double value = 0.0;
+  if (!(stream >> value) || !(stream >> std::ws).eof() || !std::isfinite(value)) {
+    refuse(name, text, "a finite number");
+  }
+  return value;
+}
+
+std::string parseFrame(const std::string& name, const std::string& text) {
+  const std::string frame = stripLeadingSlash(text);
+  if (frame.empty()) refuse(name, text, "the name of a frame");
+  return frame;
+}
+
+TfMode parseTfMode(const std::string& text) {
+  if (text == "map_to_base") return TfMode::kMapToBase;
+  if (text == "map_to_odom") return TfMode::kMapToOdom;
+  if (text == "off" || text == "false") return TfMode::kOff;  // YAML reads a bare off as false
+  refuse("tf_mode", text, "map_to_base, map_to_odom or off");
+}
+
+bool parseFlag(const std::string& name, const std::string& text) {
+  if (text == "true" || text == "1") return true;
+  if (text == "false" || text == "0") return false;
+  refuse(name, text, "true or false");
+}
+
+/// Sets a parameter that only the node has; false when the name is none of them.
+bool setNodeParameter(const std::string& name, const std::string& text, NodeParameters* p) {
+  if (name == "map_frame") {
+    p->map_frame = parseFrame(name, text);
+  } else if (name == "odom_frame") {
+    p->odom_frame = parseFrame(name, text);
+  } else if (name == "particle_filter_frame") {
+    p->particle_filter_frame = parseFrame(name, text);
+  } else if (name == "tf_mode") {
+    p->tf_mode = parseTfMode(text);
+  } else if (name == "transform_tolerance") {
+    p->transform_tolerance = parseNumber(name, text);
+  } else if (name == "initial_pose") {
+    if (!text.empty()) p->initial_pose = parsePose(text);
+  } else if (name == "global_start") {
+    p->global_start = parseFlag(name, text);
+  } else if (name == "seed") {
+    p->seed = static_cast<int>(parseNumber(name, text));
+  } else if (name == "visualization_rate") {
+    p->visualization_rate = parseNumber(name, text);
+  } else if (name == "diagnostics_rate") {
+    p->diagnostics_rate = parseNumber(name, text);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void validate(const NodeParameters& p) {
+  std::ostringstream problem;
+  if (p.transform_tolerance < 0.0 || p.transform_tolerance > 1.0) {
+    problem << "transform_tolerance is " << p.transform_tolerance << " s; it must lie in [0, 1]";
+  } else if (p.visualization_rate <= 0.0) {
+    problem << "visualization_rate is " << p.visualization_rate << " Hz; it must be positive";
+  } else if (p.diagnostics_rate <= 0.0) {
+    problem << "diagnostics_rate is " << p.diagnostics_rate << " Hz; it must be positive";
+  } else if (p.initial_pose && p.global_start) {
+    problem << "initial_pose and global_start are both set; the car starts at one or anywhere";
+  } else if (p.map_frame == p.particle_filter_frame ||
+             (p.tf_mode == TfMode::kMapToOdom &&
+              (p.odom_frame == p.map_frame || p.odom_frame == p.particle_filter_frame))) {
+    problem << "map_frame '" << p.map_frame << "', odom_frame '" << p.odom_frame
+            << "' and particle_filter_frame '" << p.particle_filter_frame << "' must differ";
+  }
+  if (!problem.str().empty()) throw ParameterError(problem.str());
+}
+
+}  // namespace
+
+Pose2 parsePose(const std::string& text) {
+  std::istringstream stream(text);
+  Pose2 pose;
+  if (!(stream >> pose.x >> pose.y >> pose.yaw) || !(stream >> std::ws).eof() || !isFinite(pose)) {
+    throw ParameterError("the pose '" + text + "' is not 'x y yaw' in metres and radians");
+  }
+  return pose;
+}
+
+NodeParameters readNodeParameters(const ros::NodeHandle& private_node) {
+  NodeParameters parameters;
+  XmlRpc::XmlRpcValue all;
+  if (private_node.getParam(private_node.getNamespace(), all) &&
+      all.getType() == XmlRpc::XmlRpcValue::TypeStruct) {
+    for (auto& [name, value] : all) {
+      const std::string text = textOf(name, value);
+      if (!setNodeParameter(name, text, &parameters)) {
+        setParameter(name, text, &parameters.localizer);
+      }
+    }
+  }
+  validate(parameters);
+  racecar_mcl::validate(parameters.localizer);
+  return parameters;
+}
+
+}  // namespace racecar_mcl

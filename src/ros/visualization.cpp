@@ -1,0 +1,101 @@
+#include "ros/visualization.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "ros/conversions.h"
+
+namespace racecar_mcl {
+namespace {
+
+constexpr double kArrowLength = 0.12;  // m
+constexpr double kArrowHead = 0.04;    // m
+
+/// Calls visit(i) for at most `limit` particles.
+template <typename Visit>
+void forEachShown(const ParticleSet& particles, Eigen::Index limit, Visit&& visit) {
+  const Eigen::Index shown = std::min(limit, particles.size());
+  for (Eigen::Index k = 0; k < shown; ++k) visit(k * particles.size() / shown);
+}
+
+/// Blue over green to red for 0 to 1.
+std_msgs::ColorRGBA heatColour(double share) {
+  std_msgs::ColorRGBA colour;
+  colour.r = static_cast<float>(std::clamp(2.0 * share - 0.5, 0.0, 1.0));
+  colour.g = static_cast<float>(std::clamp(1.0 - 2.0 * std::abs(share - 0.5), 0.15, 1.0));
+  colour.b = static_cast<float>(std::clamp(1.0 - 2.0 * share, 0.0, 1.0));
+  colour.a = 1.0f;
+  return colour;
+}
+
+geometry_msgs::Point pointAt(const Pose2& frame, double x, double y) {
+  const Pose2 in_map = compose(frame, {x, y, 0.0});
+  geometry_msgs::Point point;
+  point.x = in_map.x;
+  point.y = in_map.y;
+  return point;
+}
+
+}  // namespace
+
+geometry_msgs::PoseArray particleArray(const ParticleSet& particles, std_msgs::Header header,
+                                       Eigen::Index limit) {
+  geometry_msgs::PoseArray array;
+  array.header = std::move(header);
+  array.poses.reserve(static_cast<std::size_t>(std::min(limit, particles.size())));
+  forEachShown(particles, limit,
+               [&](Eigen::Index i) { array.poses.push_back(toMessage(particles.pose(i))); });
+  return array;
+}
+
+visualization_msgs::MarkerArray particleMarkers(const ParticleSet& particles,
+                                                std_msgs::Header header, Eigen::Index limit) {
+  visualization_msgs::Marker marker;
+  marker.header = std::move(header);
+  marker.ns = "particles";
+  marker.type = visualization_msgs::Marker::LINE_LIST;
+  marker.action = visualization_msgs::Marker::ADD;
+  marker.pose.orientation.w = 1.0;
+  marker.scale.x = 0.01;
+  const double heaviest = particles.size() > 0 ? particles.log_weight.maxCoeff() : 0.0;
+  forEachShown(particles, limit, [&](Eigen::Index i) {
+    const Pose2 pose = particles.pose(i);
+    const geometry_msgs::Point tip = pointAt(pose, kArrowLength, 0.0);
+    const std_msgs::ColorRGBA colour = heatColour(std::exp(particles.log_weight[i] - heaviest));
+    for (const geometry_msgs::Point& end :
+         {pointAt(pose, 0.0, 0.0), pointAt(pose, kArrowLength - kArrowHead, kArrowHead / 2),
+          pointAt(pose, kArrowLength - kArrowHead, -kArrowHead / 2)}) {
+      marker.points.push_back(end);
+      marker.points.push_back(tip);
+      marker.colors.insert(marker.colors.end(), 2, colour);
+    }
+  });
+  visualization_msgs::MarkerArray array;
+  array.markers.push_back(std::move(marker));
+  return array;
+}
+
+sensor_msgs::LaserScan expectedScan(const MapModel& map, const Pose2& laser_in_map,
+                                    bool upside_down, const sensor_msgs::LaserScan& real) {
+  const auto count = static_cast<Eigen::Index>(real.ranges.size());
+  const float sense = upside_down ? -1.0f : 1.0f;
+  const Eigen::ArrayXf bearings =
+      sense * (real.angle_min +
+               real.angle_increment * Eigen::ArrayXf::LinSpaced(count, 0.0f, float(count - 1)));
+  Eigen::ArrayXXf ranges(count, 1);
+  const PoseBatch pose{&laser_in_map.x, &laser_in_map.y, &laser_in_map.yaw, 1};
+  map.caster->prepare(pose, bearings);
+  map.caster->cast(pose, bearings, ranges);
+
+  sensor_msgs::LaserScan scan = real;
+  scan.intensities.clear();
+  const float limit = static_cast<float>(map.beam_model.maxRange()) * 0.999f;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const float range = ranges(i, 0);
+    scan.ranges[static_cast<std::size_t>(i)] =
+        range < limit ? range : std::numeric_limits<float>::infinity();
+  }
+  return scan;
+}
+
+}  // namespace racecar_mcl
