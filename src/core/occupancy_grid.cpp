@@ -50,10 +50,11 @@ Eigen::Vector2d gridToWorld(const GridGeometry& geometry, const Eigen::Vector2d&
 }
 
 Cell cellAt(const GridGeometry& geometry, const Eigen::Vector2d& point_in_map) {
-  // Clamped to just outside the grid, so that no far point overflows an int.
+  // Clamped to just outside the grid, so that no far point overflows an int. std::max returns its
+  // first argument where the second is NaN.
   const Eigen::Vector2d point = worldToGrid(geometry, point_in_map);
-  return {static_cast<int>(std::floor(std::min(std::max(point.x(), -1.0), geometry.width + 0.5))),
-          static_cast<int>(std::floor(std::min(std::max(point.y(), -1.0), geometry.height + 0.5)))};
+  return {static_cast<int>(std::floor(std::min(std::max(-1.0, point.x()), geometry.width + 0.5))),
+          static_cast<int>(std::floor(std::min(std::max(-1.0, point.y()), geometry.height + 0.5)))};
 }
 
 Eigen::Vector2d cellCentre(const GridGeometry& geometry, const Cell& cell) {
