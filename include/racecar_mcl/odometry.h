@@ -49,10 +49,12 @@ struct OdometryParameters {
 
 enum class OdometryOutcome {
   kUsed,
-  kNotFinite,       ///< NaN or inf in stamp, twist or pose: dropped
-  kRepeatedStamp,   ///< dropped
-  kOutOfOrder,      ///< older than the newest: dropped
-  kGap,             ///< used, but the time since the last message was longer than max_odometry_gap
+  kNotFinite,      ///< NaN or inf in stamp, twist or pose: dropped
+  kImplausible,    ///< over 100 m/s or 100 rad/s: a twist is dropped; after a pose the history goes
+                   ///< on from there as if the car had stood still
+  kRepeatedStamp,  ///< dropped
+  kOutOfOrder,     ///< older than the newest: dropped
+  kGap,            ///< used, but the time since the last message was longer than max_odometry_gap
   kTimeJumpedBack,  ///< used; the history starts again from here
 };
 
@@ -70,11 +72,14 @@ class OdometryHistory {
   bool empty() const { return entries_.empty(); }
   /// Stamp and twist of the newest message; not to be asked of an empty history.
   double newestStamp() const { return entries_.back().stamp; }
-  const Twist2& newestTwist() const { return entries_.back().twist; }
+  const Twist2& newestTwist() const { return entries_.back().twist_after; }
+
+  /// Forgets all messages but keeps the sums, as a clock that starts again asks for.
+  void startAgain();
 
   /// The state at a time: interpolated between messages; carried on by the last twist for at most
   /// max_odometry_extrapolation after the newest; the oldest known before the history. An empty
-  /// history stands still.
+  /// history stands still. A stamp that is NaN counts as the newest.
   OdometryState at(double stamp) const;
 
  private:
@@ -82,11 +87,13 @@ class OdometryHistory {
     double stamp;
     Twist2 twist;         ///< over the interval that ends here
     double seconds;       ///< length of that interval
+    Twist2 twist_after;   ///< believed to hold after this stamp
     Pose2 base_in_odom;   ///< as the message gave it
     OdometryState state;  ///< at this stamp
   };
 
   OdometryParameters parameters_;
+  OdometryState start_;  ///< the sums when the history began
   std::deque<Entry> entries_;
 };
 

@@ -9,6 +9,10 @@ constexpr double kHistorySeconds = 10.0;
 // Under these a car stands still, whatever its encoders whisper.
 constexpr double kStillSpeed = 1e-3;  // m/s
 constexpr double kStillTurn = 1e-3;   // rad/s
+// Over these no car moves. A pose may still jitter by the slack between two messages.
+constexpr double kFastest = 100.0;      // m/s
+constexpr double kFastestTurn = 100.0;  // rad/s
+constexpr double kSlack = 0.5;          // m and rad
 
 OdometryState advance(const OdometryState& from, const Twist2& twist, double seconds,
                       double messages) {
@@ -27,6 +31,16 @@ Twist2 twistOf(const Pose2& delta, double seconds) {
           delta.yaw / seconds};
 }
 
+bool isPlausible(const Twist2& twist) {
+  return std::hypot(twist.vx, twist.vy) <= kFastest && std::abs(twist.wz) <= kFastestTurn;
+}
+
+/// Whether a car can have moved by `delta`; false where it is not finite.
+bool isPlausible(const Pose2& delta, double seconds) {
+  return std::hypot(delta.x, delta.y) <= kFastest * seconds + kSlack &&
+         std::abs(delta.yaw) <= kFastestTurn * seconds + kSlack;
+}
+
 }  // namespace
 
 Motion motionBetween(const OdometryState& earlier, const OdometryState& later) {
@@ -43,6 +57,8 @@ std::string describe(OdometryOutcome outcome) {
       return "used";
     case OdometryOutcome::kNotFinite:
       return "odometry holds NaN or inf";
+    case OdometryOutcome::kImplausible:
+      return "odometry says that the car moved faster than any car can";
     case OdometryOutcome::kRepeatedStamp:
       return "odometry stamp repeats";
     case OdometryOutcome::kOutOfOrder:
@@ -61,33 +77,41 @@ OdometryOutcome OdometryHistory::add(const OdometrySample& sample) {
       !(from_pose ? isFinite(sample.base_in_odom) : isFinite(sample.twist))) {
     return OdometryOutcome::kNotFinite;
   }
+  if (!from_pose && !isPlausible(sample.twist)) return OdometryOutcome::kImplausible;
+  // What a first message says of the motion that follows it: a pose says nothing.
+  const Twist2 first_twist = from_pose ? Twist2{} : sample.twist;
   if (entries_.empty()) {
-    entries_.push_back({sample.stamp, sample.twist, 0.0, sample.base_in_odom, OdometryState{}});
+    entries_.push_back({sample.stamp, {}, 0.0, first_twist, sample.base_in_odom, start_});
     return OdometryOutcome::kUsed;
   }
 
   const Entry& last = entries_.back();
   const double elapsed = sample.stamp - last.stamp;
   if (elapsed <= -parameters_.clock_jump) {
-    const OdometryState state =
-        last.state;  // the sums go on, so that anchors taken before stay valid
-    entries_.clear();
-    entries_.push_back({sample.stamp, sample.twist, 0.0, sample.base_in_odom, state});
+    startAgain();
+    entries_.push_back({sample.stamp, {}, 0.0, first_twist, sample.base_in_odom, start_});
     return OdometryOutcome::kTimeJumpedBack;
   }
   if (elapsed == 0.0) return OdometryOutcome::kRepeatedStamp;
   if (elapsed < 0.0) return OdometryOutcome::kOutOfOrder;
 
-  const bool gap = elapsed > parameters_.max_odometry_gap;
-  Entry entry;
-  entry.stamp = sample.stamp;
-  entry.seconds = elapsed;
-  entry.base_in_odom = sample.base_in_odom;
+  OdometryOutcome outcome =
+      elapsed > parameters_.max_odometry_gap ? OdometryOutcome::kGap : OdometryOutcome::kUsed;
+  Entry entry{sample.stamp, {}, elapsed, sample.twist, sample.base_in_odom, {}};
   if (from_pose) {
-    entry.twist = twistOf(between(last.base_in_odom, sample.base_in_odom), elapsed);
+    const Pose2 delta = between(last.base_in_odom, sample.base_in_odom);
+    entry.twist_after = last.twist_after;
+    if (isPlausible(delta, elapsed)) {
+      entry.twist = twistOf(delta, elapsed);
+      if (isPlausible(entry.twist)) entry.twist_after = entry.twist;
+    } else {
+      // The odometry frame was set anew: its poses count from here on.
+      outcome = OdometryOutcome::kImplausible;
+    }
   } else {
     // Over a gap the twist is believed for max_odometry_gap of it, spread over the whole.
-    const double share = gap ? parameters_.max_odometry_gap / elapsed : 1.0;
+    const double share =
+        outcome == OdometryOutcome::kGap ? parameters_.max_odometry_gap / elapsed : 1.0;
     entry.twist = {sample.twist.vx * share, sample.twist.vy * share, sample.twist.wz * share};
   }
   entry.state = advance(last.state, entry.twist, elapsed, 1.0);
@@ -95,16 +119,23 @@ OdometryOutcome OdometryHistory::add(const OdometrySample& sample) {
   while (entries_.size() > 2 && entries_[1].stamp < sample.stamp - kHistorySeconds) {
     entries_.pop_front();
   }
-  return gap ? OdometryOutcome::kGap : OdometryOutcome::kUsed;
+  return outcome;
+}
+
+void OdometryHistory::startAgain() {
+  if (entries_.empty()) return;
+  start_ = entries_.back().state;
+  entries_.clear();
 }
 
 OdometryState OdometryHistory::at(double stamp) const {
-  if (entries_.empty()) return {};
+  if (entries_.empty()) return start_;
   const Entry& newest = entries_.back();
-  if (stamp >= newest.stamp) {
-    const double ahead = std::min(stamp - newest.stamp, parameters_.max_odometry_extrapolation);
+  if (!(stamp < newest.stamp)) {
+    const double past = stamp - newest.stamp;
+    const double ahead = past > 0.0 ? std::min(past, parameters_.max_odometry_extrapolation) : 0.0;
     const double period = newest.seconds > 0.0 ? newest.seconds : ahead;
-    return advance(newest.state, newest.twist, ahead, period > 0.0 ? ahead / period : 0.0);
+    return advance(newest.state, newest.twist_after, ahead, period > 0.0 ? ahead / period : 0.0);
   }
   const auto later =
       std::upper_bound(entries_.begin(), entries_.end(), stamp,
