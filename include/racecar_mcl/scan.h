@@ -22,7 +22,9 @@ struct Scan {
 };
 
 /// At most `count` beams within +-`field_of_view` / 2 of the lidar's x axis, spread evenly over the
-/// valid ones. A field of view of 2 pi or more keeps all bearings.
+/// valid ones: those with a range above zero (+inf included), a finite bearing and a finite time. A
+/// field of view of 2 pi or more keeps all bearings. Throws std::invalid_argument where the scan's
+/// arrays differ in length.
 Scan selectBeams(const Scan& scan, int count, double field_of_view);
 
 /// The sweep as it would have been seen had the car stood still at the scan's stamp: every end

@@ -1,17 +1,28 @@
 #include "racecar_mcl/scan.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace racecar_mcl {
 
 Scan selectBeams(const Scan& scan, int count, double field_of_view) {
+  const Eigen::Index beams = scan.bearings.size();
+  if (scan.ranges.size() != beams || scan.seconds_after_stamp.size() != beams) {
+    throw std::invalid_argument("the scan holds " + std::to_string(beams) + " bearings, " +
+                                std::to_string(scan.ranges.size()) + " ranges and " +
+                                std::to_string(scan.seconds_after_stamp.size()) +
+                                " times; expected as many of each");
+  }
   const bool all_round = field_of_view >= 2.0 * kPi;
   const float limit = static_cast<float>(field_of_view / 2.0);
   std::vector<Eigen::Index> inside;
   inside.reserve(static_cast<std::size_t>(scan.size()));
   for (Eigen::Index i = 0; i < scan.size(); ++i) {
-    if (all_round || std::abs(scan.bearings[i]) <= limit) inside.push_back(i);
+    const bool valid = scan.ranges[i] > 0.0f && std::isfinite(scan.bearings[i]) &&
+                       std::isfinite(scan.seconds_after_stamp[i]);
+    if (valid && (all_round || std::abs(scan.bearings[i]) <= limit)) inside.push_back(i);
   }
 
   const auto available = static_cast<Eigen::Index>(inside.size());
