@@ -44,7 +44,7 @@ struct MotionModelParameters {
       0.02;  ///< m per sqrt(m) and m/s^2 of sideways acceleration, along and sideways
 };
 
-/// Throws ParameterError on a negative or non-finite sigma.
+/// Throws ParameterError on a sigma outside [0, 1000].
 void validate(const MotionModelParameters& parameters);
 
 /// The noise of one motion in the frame of the car at its start: a zero-mean Gaussian on (x, y,

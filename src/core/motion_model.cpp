@@ -2,7 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <string>
+#include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "racecar_mcl/errors.h"
@@ -84,9 +85,10 @@ void validate(const MotionModelParameters& p) {
       {"yaw_per_second", p.yaw_per_second},
       {"slip_per_acceleration", p.slip_per_acceleration}};
   for (const auto& [name, value] : sigmas) {
-    if (!std::isfinite(value) || value < 0.0) {
-      throw ParameterError(std::string(name) + " is " + std::to_string(value) +
-                           "; it must be finite and not negative");
+    if (!(value >= 0.0 && value <= 1000.0)) {
+      std::ostringstream problem;
+      problem << name << " is " << value << "; it must lie in [0, 1000]";
+      throw ParameterError(problem.str());
     }
   }
 }
