@@ -15,8 +15,8 @@ struct SensorTableParameters {
 };
 
 /// Throws ParameterError on a negative or non-finite share, shares that do not sum to 1 (within
-/// 1e-3; below they are normalised anyway), a sigma that is not positive, or a width outside [2,
-/// 4001].
+/// 1e-3; below they are normalised anyway), alpha_short alone, a sigma that is not positive, or a
+/// width outside [2, 4001].
 void validate(const SensorTableParameters& parameters);
 
 /// T(z, d), table_width x table_width: row z is the measured and column d the expected range, in

@@ -25,6 +25,9 @@ void validate(const SensorTableParameters& p) {
   if (std::abs(sum - 1.0) > 1e-3) {
     problem << "alpha_hit + alpha_short + alpha_max + alpha_rand is " << sum
             << "; the four shares must sum to 1";
+  } else if (p.alpha_hit + p.alpha_max + p.alpha_rand == 0.0) {
+    problem << "alpha_short is " << p.alpha_short
+            << "; it cannot be the only share, for nothing comes short of a range of 0";
   } else if (!std::isfinite(p.sigma_hit) || p.sigma_hit <= 0.0) {
     problem << "sigma_hit is " << p.sigma_hit << " pixels; it must be positive";
   } else if (p.table_width < 2 || p.table_width > 4001) {
