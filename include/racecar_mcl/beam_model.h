@@ -16,13 +16,13 @@ struct BeamModelParameters {
       2.2;  ///< a particle's weight is the product of its beams to the power 1 / this
 };
 
-/// Throws ParameterError on a scale or squash factor that is not positive, and as the table does.
+/// Throws ParameterError on a scale or squash factor outside [0.001, 1000], and as the table does.
 void validate(const BeamModelParameters& parameters);
 
 /// Knows no map: only ranges.
 class BeamModel {
  public:
-  /// `resolution`: metres per map cell.
+  /// `resolution`: metres per map cell. Throws as `validate`, and where that is not positive.
   BeamModel(const BeamModelParameters& parameters, double resolution);
 
   /// The range of the table's last pixel, m. Longer ranges, +inf too, count as this.

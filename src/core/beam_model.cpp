@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,9 +18,10 @@ void validate(const BeamModelParameters& p) {
       {"pixels_per_cell", p.pixels_per_cell},
       {"squash_factor", p.squash_factor}};
   for (const auto& [name, value] : positive) {
-    if (!std::isfinite(value) || value <= 0.0) {
-      throw ParameterError(std::string(name) + " is " + std::to_string(value) +
-                           "; it must be positive");
+    if (!(value >= 1e-3 && value <= 1e3)) {
+      std::ostringstream problem;
+      problem << name << " is " << value << "; it must lie in [0.001, 1000]";
+      throw ParameterError(problem.str());
     }
   }
 }
@@ -29,6 +31,10 @@ BeamModel::BeamModel(const BeamModelParameters& parameters, double resolution)
       pixel_(resolution * parameters.lidar_scale_to_map_scale / parameters.pixels_per_cell),
       squash_(1.0 / parameters.squash_factor) {
   validate(parameters);
+  if (!(resolution > 0.0 && std::isfinite(resolution))) {
+    throw ParameterError("the map's resolution is " + std::to_string(resolution) +
+                         " m; it must be positive");
+  }
   log_table_ = makeSensorTable(parameters.table).log().cast<float>().transpose();
 }
 
@@ -39,7 +45,8 @@ void BeamModel::logLikelihood(const Eigen::ArrayXf& measured,
   const float last = static_cast<float>(width_ - 1);
   const float pixels_per_metre = static_cast<float>(1.0 / pixel_);
   const auto pixelOf = [&](float range) {
-    return static_cast<int>(std::min(std::max(range * pixels_per_metre, 0.0f), last) + 0.5f);
+    // std::max returns its first argument where the second is NaN.
+    return static_cast<int>(std::min(std::max(0.0f, range * pixels_per_metre), last) + 0.5f);
   };
   std::vector<const float*> rows(static_cast<std::size_t>(beams));
   for (Eigen::Index k = 0; k < beams; ++k) {
