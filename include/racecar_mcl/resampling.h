@@ -22,7 +22,8 @@ enum class ResamplingMethod {
 };
 
 /// `count` particles drawn with probability equal to their weight, with uniform weights. Needs
-/// normalised weights.
+/// normalised weights; throws std::invalid_argument on an empty set and where no weight is above
+/// zero.
 ParticleSet resample(const ParticleSet& particles, Eigen::Index count, ResamplingMethod method,
                      Random& random);
 

@@ -1,6 +1,7 @@
 // A histogram over (x, y, yaw) that stores only the bins that hold particles.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
@@ -38,8 +39,12 @@ inline std::int32_t yawBinCount(const PoseBins& bins) {
 inline PoseBin binOf(const Pose2& pose, const PoseBins& bins) {
   const std::int32_t yaw_bins = yawBinCount(bins);
   const double turn = (wrapAngle(pose.yaw) + kPi) / (2.0 * kPi);
-  return {static_cast<std::int32_t>(std::floor(pose.x / bins.position)),
-          static_cast<std::int32_t>(std::floor(pose.y / bins.position)),
+  // Far bins are merged before they overflow an index.
+  const auto index = [&](double position) {
+    return static_cast<std::int32_t>(
+        std::floor(std::min(std::max(-1e9, position / bins.position), 1e9)));
+  };
+  return {index(pose.x), index(pose.y),
           std::min(static_cast<std::int32_t>(turn * yaw_bins), yaw_bins - 1)};
 }
 

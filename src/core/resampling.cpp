@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "pose_bins.h"
 
@@ -21,7 +23,8 @@ double normalizeLogWeights(Eigen::ArrayXd* log_weights) {
 
 double effectiveSampleSize(const Eigen::ArrayXd& log_weights) {
   if (log_weights.size() == 0) return 0.0;
-  return 1.0 / (2.0 * log_weights).exp().sum();
+  // Rounding must not lift a uniform set above its own size.
+  return std::min(static_cast<double>(log_weights.size()), 1.0 / (2.0 * log_weights).exp().sum());
 }
 
 ParticleSet resample(const ParticleSet& particles, Eigen::Index count, ResamplingMethod method,
@@ -36,18 +39,24 @@ ParticleSet resample(const ParticleSet& particles, Eigen::Index count, Resamplin
     sum += std::exp(particles.log_weight[i]);
     cumulative[i] = sum;
   }
+  if (!(sum > 0.0 && std::isfinite(sum))) {
+    throw std::invalid_argument("nothing can be drawn from " + std::to_string(particles.size()) +
+                                " particles whose weights sum to " + std::to_string(sum));
+  }
   const double step = sum / static_cast<double>(count);
+  // Rounding must not carry a pointer past the last particle that has a weight.
+  const double last_pointer = std::nextafter(sum, 0.0);
   const double offset = random.uniform();
   Eigen::Index source = 0;
   for (Eigen::Index k = 0; k < count; ++k) {
     if (method == ResamplingMethod::kSystematic) {
-      const double pointer = (static_cast<double>(k) + offset) * step;
-      while (source + 1 < particles.size() && cumulative[source] <= pointer) ++source;
+      const double pointer = std::min((static_cast<double>(k) + offset) * step, last_pointer);
+      while (cumulative[source] <= pointer) ++source;
     } else {
-      const double pointer = random.uniform() * sum;
+      const double pointer = std::min(random.uniform() * sum, last_pointer);
       const double* begin = cumulative.data();
       const double* found = std::upper_bound(begin, begin + cumulative.size(), pointer);
-      source = std::min<Eigen::Index>(found - begin, particles.size() - 1);
+      source = found - begin;
     }
     drawn.setPose(k, particles.pose(source));
   }
