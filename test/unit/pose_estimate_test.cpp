@@ -1,0 +1,232 @@
+#include "racecar_mcl/pose_estimate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "racecar_mcl/random.h"
+
+namespace racecar_mcl {
+namespace {
+
+struct Weighted {
+  Pose2 pose;
+  double weight;
+};
+
+ParticleSet setOf(const std::vector<Weighted>& members) {
+  ParticleSet particles;
+  particles.resize(static_cast<Eigen::Index>(members.size()));
+  for (Eigen::Index i = 0; i < particles.size(); ++i) {
+    const Weighted& member = members[static_cast<std::size_t>(i)];
+    particles.setPose(i, member.pose);
+    particles.log_weight[i] = std::log(member.weight);
+  }
+  return particles;
+}
+
+/// `count` equal particles, Gaussian about a pose; their weights sum to `weight`.
+void scatter(const Pose2& centre, double sigma, int count, double weight, Random& random,
+             std::vector<Weighted>* members) {
+  for (int i = 0; i < count; ++i) {
+    const double x = centre.x + sigma * random.gaussian();
+    const double y = centre.y + sigma * random.gaussian();
+    members->push_back({{x, y, wrapAngle(centre.yaw + sigma * random.gaussian())}, weight / count});
+  }
+}
+
+TEST(WeightedMean, WeighsEachParticleByItsWeight) {
+  const PoseEstimate estimate = weightedMean(
+      setOf({{{0.0, 0.0, 0.1}, 0.5}, {{4.0, 0.0, 0.1}, 0.25}, {{0.0, 8.0, 0.1}, 0.25}}));
+  EXPECT_NEAR(estimate.base_in_map.x, 1.0, 1e-12);
+  EXPECT_NEAR(estimate.base_in_map.y, 2.0, 1e-12);
+  EXPECT_NEAR(estimate.base_in_map.yaw, 0.1, 1e-12);
+}
+
+TEST(WeightedMean, AveragesYawRoundTheCircle) {
+  const PoseEstimate at_pi =
+      weightedMean(setOf({{{0.0, 0.0, kPi - 0.1}, 0.5}, {{0.0, 0.0, -kPi + 0.1}, 0.5}}));
+  EXPECT_NEAR(std::abs(at_pi.base_in_map.yaw), kPi, 1e-12);
+  EXPECT_NEAR(at_pi.covariance(2, 2), 0.01, 1e-12);
+  const PoseEstimate beside_pi =
+      weightedMean(setOf({{{0.0, 0.0, 3.0}, 0.75}, {{0.0, 0.0, -3.0}, 0.25}}));
+  EXPECT_GT(beside_pi.base_in_map.yaw, 3.0);
+  EXPECT_LT(beside_pi.base_in_map.yaw, kPi);
+}
+
+TEST(WeightedMean, StaysFiniteWhereYawsCancelOut) {
+  const PoseEstimate estimate =
+      weightedMean(setOf({{{0.0, 0.0, 0.5}, 0.5}, {{0.0, 0.0, 0.5 - kPi}, 0.5}}));
+  EXPECT_NEAR(estimate.base_in_map.yaw, 0.5, 1e-12);
+  EXPECT_TRUE(estimate.covariance.allFinite());
+}
+
+TEST(WeightedMean, PutsEachMomentIntoItsOwnCell) {
+  // By hand: offsets (+-1, +-2, +-0.1) about (5, 6, 1), all four alike and in step.
+  const PoseEstimate estimate =
+      weightedMean(setOf({{{6.0, 8.0, 0.9}, 0.5}, {{4.0, 4.0, 1.1}, 0.5}}));
+  Eigen::Matrix3d expected;
+  expected << 1.0, 2.0, -0.1, 2.0, 4.0, -0.2, -0.1, -0.2, 0.01;
+  EXPECT_LT((estimate.covariance - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(WeightedMean, MeasuresTheSpreadOfAGaussianSet) {
+  Random random(31);
+  const double sigma[] = {0.3, 0.05, 0.1};
+  ParticleSet particles;
+  particles.resize(20000);
+  particles.log_weight.setConstant(-std::log(20000.0));
+  for (Eigen::Index i = 0; i < particles.size(); ++i) {
+    const double x = sigma[0] * random.gaussian();
+    const double y = sigma[1] * random.gaussian();
+    particles.setPose(i, {-3.0 + x, 2.0 + y, wrapAngle(kPi + sigma[2] * random.gaussian())});
+  }
+  const PoseEstimate estimate = weightedMean(particles);
+  EXPECT_NEAR(estimate.base_in_map.x, -3.0, 0.01);
+  EXPECT_NEAR(estimate.base_in_map.y, 2.0, 0.002);
+  EXPECT_NEAR(wrapAngle(estimate.base_in_map.yaw - kPi), 0.0, 0.004);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(std::sqrt(estimate.covariance(i, i)), sigma[i], 0.03 * sigma[i]);
+  }
+}
+
+TEST(WeightedMean, KeepsItsDigitsFarFromTheMapsZero) {
+  const PoseEstimate estimate =
+      weightedMean(setOf({{{1e6 + 0.01, -1e6, 0.0}, 0.5}, {{1e6 - 0.01, -1e6, 0.0}, 0.5}}));
+  EXPECT_NEAR(estimate.base_in_map.x, 1e6, 1e-9);
+  EXPECT_NEAR(estimate.covariance(0, 0), 1e-4, 1e-9);
+}
+
+TEST(WeightedMean, OfOneParticleIsThatParticle) {
+  const PoseEstimate estimate = weightedMean(setOf({{{1.0, 2.0, 3.0}, 1.0}}));
+  EXPECT_EQ(estimate.base_in_map.x, 1.0);
+  EXPECT_EQ(estimate.base_in_map.y, 2.0);
+  EXPECT_EQ(estimate.base_in_map.yaw, 3.0);
+  EXPECT_TRUE(estimate.covariance.isZero(0.0));
+}
+
+TEST(BestParticle, IsTheHeaviestWithTheSetsSpreadAboutIt) {
+  const PoseEstimate estimate =
+      bestParticle(setOf({{{1.0, 0.0, 0.0}, 0.3}, {{2.0, 0.0, 0.0}, 0.4}, {{5.0, 0.0, 0.0}, 0.3}}));
+  EXPECT_EQ(estimate.base_in_map.x, 2.0);
+  EXPECT_NEAR(estimate.covariance(0, 0), 0.3 * 1.0 + 0.3 * 9.0, 1e-12);
+}
+
+TEST(Clusters, ABimodalSetIsNotAveragedIntoTheWallBetween) {
+  Random random(32);
+  std::vector<Weighted> members;
+  scatter({0.0, 0.0, 0.3}, 0.1, 100, 0.6, random, &members);
+  scatter({8.0, 0.0, 0.3}, 0.1, 100, 0.4, random, &members);
+  const ParticleSet particles = setOf(members);
+  EXPECT_NEAR(estimatePose(particles, EstimateFrom::kMean).base_in_map.x, 3.2, 0.1);
+  const PoseEstimate cluster = estimatePose(particles, EstimateFrom::kCluster);
+  EXPECT_NEAR(cluster.base_in_map.x, 0.0, 0.05);
+  EXPECT_NEAR(std::sqrt(cluster.covariance(0, 0)), 0.1, 0.02);
+
+  const std::vector<Cluster> clusters = findClusters(particles);
+  ASSERT_EQ(clusters.size(), 2u);
+  EXPECT_NEAR(clusters[0].weight, 0.6, 1e-9);
+  EXPECT_NEAR(clusters[1].weight, 0.4, 1e-9);
+  EXPECT_EQ(clusters[0].particles, 100);
+  EXPECT_NEAR(clusters[1].estimate.base_in_map.x, 8.0, 0.05);
+}
+
+TEST(Clusters, WeightDecidesNotNumbers) {
+  Random random(33);
+  std::vector<Weighted> members;
+  scatter({0.0, 0.0, 0.0}, 0.1, 300, 0.3, random, &members);
+  scatter({8.0, 0.0, 0.0}, 0.1, 10, 0.7, random, &members);
+  EXPECT_NEAR(estimatePose(setOf(members), EstimateFrom::kCluster).base_in_map.x, 8.0, 0.2);
+}
+
+TEST(Clusters, OpposedHeadingsInOnePlaceAreTwo) {
+  Random random(34);
+  std::vector<Weighted> members;
+  scatter({1.0, 1.0, 0.4}, 0.05, 50, 0.5, random, &members);
+  scatter({1.0, 1.0, 0.4 - kPi}, 0.05, 50, 0.5, random, &members);
+  EXPECT_EQ(findClusters(setOf(members)).size(), 2u);
+}
+
+TEST(Clusters, AHeadingAboutPiIsOne) {
+  Random random(35);
+  std::vector<Weighted> members;
+  scatter({1.0, 1.0, kPi}, 0.2, 200, 1.0, random, &members);
+  const std::vector<Cluster> clusters = findClusters(setOf(members));
+  ASSERT_EQ(clusters.size(), 1u);
+  EXPECT_NEAR(wrapAngle(clusters[0].estimate.base_in_map.yaw - kPi), 0.0, 0.05);
+  EXPECT_NEAR(clusters[0].weight, 1.0, 1e-9);
+}
+
+TEST(Clusters, TouchAcrossEdgesAndCorners) {
+  const PoseBins bins{1.0, 0.35};
+  EXPECT_EQ(findClusters(setOf({{{0.5, 0.5, 0.0}, 0.5}, {{1.5, 1.5, 0.0}, 0.5}}), bins).size(), 1u);
+  EXPECT_EQ(findClusters(setOf({{{0.5, 0.5, 0.0}, 0.5}, {{-0.5, 0.5, 0.0}, 0.5}}), bins).size(),
+            1u);
+  EXPECT_EQ(findClusters(setOf({{{0.5, 0.5, 0.0}, 0.5}, {{2.5, 0.5, 0.0}, 0.5}}), bins).size(), 2u);
+}
+
+TEST(Clusters, LeaveOutWhatHasNoWeight) {
+  const std::vector<Cluster> clusters =
+      findClusters(setOf({{{0.0, 0.0, 0.0}, 0.0}, {{50.0, 0.0, 0.0}, 1.0}}));
+  ASSERT_EQ(clusters.size(), 1u);
+  EXPECT_EQ(clusters[0].estimate.base_in_map.x, 50.0);
+}
+
+TEST(Clusters, DoNotDependOnTheOrderOfTheParticles) {
+  Random random(36);
+  std::vector<Weighted> members;
+  scatter({0.0, 0.0, 0.0}, 0.3, 60, 0.5, random, &members);
+  scatter({5.0, 2.0, 1.0}, 0.3, 60, 0.3, random, &members);
+  scatter({-4.0, 7.0, -2.0}, 0.3, 60, 0.2, random, &members);
+  const std::vector<Cluster> forward = findClusters(setOf(members));
+  const std::vector<Cluster> backward = findClusters(setOf({members.rbegin(), members.rend()}));
+  ASSERT_EQ(forward.size(), backward.size());
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    EXPECT_NEAR(forward[i].weight, backward[i].weight, 1e-12);
+    EXPECT_EQ(forward[i].particles, backward[i].particles);
+  }
+}
+
+TEST(CarryForward, ComposesThePose) {
+  const PoseEstimate later =
+      carryForward({{1.0, 2.0, kPi / 2}, {}}, {0.5, 0.1, 0.2}, Eigen::Matrix3d::Zero());
+  EXPECT_NEAR(later.base_in_map.x, 0.9, 1e-12);
+  EXPECT_NEAR(later.base_in_map.y, 2.5, 1e-12);
+  EXPECT_NEAR(later.base_in_map.yaw, kPi / 2 + 0.2, 1e-12);
+}
+
+TEST(CarryForward, MovesTheCovarianceAsItMovesASet) {
+  Random random(37);
+  const Pose2 start{1.0, 2.0, 0.8};
+  const Pose2 delta{0.6, -0.1, 0.3};
+  const Eigen::Vector3d start_sigma(0.05, 0.02, 0.03);
+  const Eigen::Vector3d noise_sigma(0.04, 0.01, 0.02);
+  PoseEstimate estimate{start, Eigen::Matrix3d(start_sigma.array().square().matrix().asDiagonal())};
+  const PoseEstimate later =
+      carryForward(estimate, delta, noise_sigma.array().square().matrix().asDiagonal());
+
+  ParticleSet particles;
+  particles.resize(40000);
+  particles.log_weight.setConstant(-std::log(40000.0));
+  for (Eigen::Index i = 0; i < particles.size(); ++i) {
+    double z[6];
+    for (double& value : z) value = random.gaussian();
+    const Pose2 from{start.x + start_sigma[0] * z[0], start.y + start_sigma[1] * z[1],
+                     start.yaw + start_sigma[2] * z[2]};
+    const Pose2 step{delta.x + noise_sigma[0] * z[3], delta.y + noise_sigma[1] * z[4],
+                     delta.yaw + noise_sigma[2] * z[5]};
+    particles.setPose(i, compose(from, step));
+  }
+  const Eigen::Matrix3d sampled = weightedMean(particles).covariance;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const double scale = std::sqrt(sampled(i, i) * sampled(j, j));
+      EXPECT_NEAR(later.covariance(i, j), sampled(i, j), 0.04 * scale) << i << ", " << j;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace racecar_mcl
