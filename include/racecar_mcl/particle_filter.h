@@ -40,7 +40,8 @@ struct MapModel {
 };
 
 /// Throws MapError for a map without a free cell. `caster.max_range` of 0 takes the range of the
-/// sensor table.
+/// sensor table; less than that is a ParameterError, for expected ranges would end before measured
+/// ones.
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const RangeCasterParameters& caster,
                                        const BeamModelParameters& beam_model);
 
@@ -62,7 +63,8 @@ class ParticleFilter {
                  std::uint64_t seed);
 
   /// Samples the set around a pose. Variances of zero are taken as initial_sigma squared. Throws
-  /// ParameterError on a pose or covariance that is not finite, or a covariance that is none.
+  /// ParameterError on a pose or covariance that is not finite or beyond 1e7 m, or a covariance
+  /// that is none.
   void initialize(const PoseEstimate& start);
 
   /// Spreads global_particles evenly over the free space of the map.

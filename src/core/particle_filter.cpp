@@ -13,6 +13,9 @@ namespace {
 // Particles cast and weighed together: their ranges stay in the first-level cache.
 constexpr Eigen::Index kChunk = 64;
 
+// No start is farther away or wider than this, m: beyond it, squares lose their digits.
+constexpr double kFarthest = 1e7;
+
 /// Where the lidar is for each particle.
 struct LidarPoses {
   Eigen::ArrayXd x, y, yaw;
@@ -77,8 +80,8 @@ void validate(const ParticleFilterParameters& p) {
             << "; it must lie in [num_particles = " << p.num_particles << ", 10000000]";
   } else if (!(p.resample_threshold >= 0.0 && p.resample_threshold <= 1.0)) {
     problem << "resample_threshold is " << p.resample_threshold << "; it must lie in [0, 1]";
-  } else if (!(p.initial_sigma > 0.0 && std::isfinite(p.initial_sigma))) {
-    problem << "initial_sigma is " << p.initial_sigma << "; it must be positive";
+  } else if (!(p.initial_sigma > 0.0 && p.initial_sigma <= 1000.0)) {
+    problem << "initial_sigma is " << p.initial_sigma << "; it must lie in (0, 1000]";
   } else if (p.settling_updates < 0) {
     problem << "settling_updates is " << p.settling_updates << "; it must not be negative";
   }
@@ -96,6 +99,13 @@ std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const RangeCasterPara
   BeamModel model(beam_model, grid.geometry().resolution);
   RangeCasterParameters filled = caster;
   if (filled.max_range == 0.0) filled.max_range = model.maxRange();
+  if (filled.max_range < model.maxRange() - grid.geometry().resolution / 2.0) {
+    std::ostringstream problem;
+    problem << "max_range is " << filled.max_range << " m but the sensor table reaches to "
+            << model.maxRange() << " m on a map of " << grid.geometry().resolution
+            << " m per cell; expected at least that, or 0 for exactly that";
+    throw ParameterError(problem.str());
+  }
   std::unique_ptr<RangeCaster> made = makeRangeCaster(grid, filled);
   return std::make_shared<MapModel>(
       MapModel{std::move(grid), std::move(made), std::move(model), std::move(free_cells)});
@@ -111,6 +121,14 @@ ParticleFilter::ParticleFilter(const ParticleFilterParameters& parameters,
 void ParticleFilter::initialize(const PoseEstimate& start) {
   if (!isFinite(start.base_in_map) || !start.covariance.allFinite()) {
     throw ParameterError("the start pose and its covariance must be finite");
+  }
+  const double farthest = std::max(std::abs(start.base_in_map.x), std::abs(start.base_in_map.y));
+  const double widest = std::sqrt(std::max(0.0, start.covariance.diagonal().maxCoeff()));
+  if (farthest > kFarthest || widest > kFarthest) {
+    std::ostringstream problem;
+    problem << "the start pose lies " << farthest << " m from the map's zero with a sigma of "
+            << widest << "; expected at most " << kFarthest;
+    throw ParameterError(problem.str());
   }
   const Eigen::Matrix3d root = rootOf(startCovariance(start, parameters_.initial_sigma));
   ParticleSet particles;
