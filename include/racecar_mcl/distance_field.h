@@ -1,4 +1,4 @@
-// How far a ray may go without a look: distances from cells to obstacles.
+// Distances from cells to obstacles, by OpenCV's distance transform.
 #pragma once
 
 #include <cstdint>
@@ -16,5 +16,9 @@ namespace racecar_mcl {
 ///
 /// Throws std::invalid_argument on a mask that does not fit the size.
 std::vector<float> clearances(const std::vector<std::uint8_t>& mask, int width, int height);
+
+/// For each cell the distance, in cells, from its centre to the nearest obstacle cell's centre;
+/// infinite where the mask holds no obstacle. Throws as above.
+std::vector<float> obstacleDistances(const std::vector<std::uint8_t>& mask, int width, int height);
 
 }  // namespace racecar_mcl

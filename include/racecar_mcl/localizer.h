@@ -17,8 +17,7 @@ namespace racecar_mcl {
 struct LocalizerParameters {
   ParticleFilterParameters filter;
   MotionModelParameters motion;
-  BeamModelParameters beam_model;
-  RangeCasterParameters caster{"distance_transform", 0.0, UnknownIs::kFree};
+  SensorParameters sensor;
   OdometryParameters odometry;
   int num_beams_per_particle = 100;
   double scan_field_of_view = 4.71;  ///< rad, beams outside are not used

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "racecar_mcl/beam_model.h"
+#include "racecar_mcl/likelihood_field.h"
 #include "racecar_mcl/motion_model.h"
 #include "racecar_mcl/occupancy_grid.h"
 #include "racecar_mcl/particles.h"
@@ -31,19 +34,35 @@ struct ParticleFilterParameters {
 /// Throws ParameterError on a value out of range.
 void validate(const ParticleFilterParameters& parameters);
 
+enum class SensorModel {
+  kBeam,             ///< cast rays, weighed by the sensor table (the report)
+  kLikelihoodField,  ///< end points on the map's distance field
+};
+
+struct SensorParameters {
+  SensorModel sensor_model = SensorModel::kBeam;
+  RangeCasterParameters caster{"distance_transform", 0.0, UnknownIs::kFree};
+  BeamModelParameters beam;
+  LikelihoodFieldParameters field;
+};
+
+/// Throws ParameterError on a value out of range.
+void validate(const SensorParameters& parameters);
+
 /// What the filter derives from a map, built once per map, off to the side.
 struct MapModel {
   OccupancyGrid grid;
   std::unique_ptr<RangeCaster> caster;
   BeamModel beam_model;
+  std::optional<LikelihoodField>
+      likelihood_field;  ///< weighs in place of the beam model where it is there
   std::vector<Cell> free_cells;
 };
 
-/// Throws MapError for a map without a free cell. `caster.max_range` of 0 takes the range of the
+/// Throws MapError for a map without a free cell. A caster.max_range of 0 takes the range of the
 /// sensor table; less than that is a ParameterError, for expected ranges would end before measured
 /// ones.
-std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const RangeCasterParameters& caster,
-                                       const BeamModelParameters& beam_model);
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameters& sensor);
 
 /// What one scan did to the filter.
 struct UpdateResult {

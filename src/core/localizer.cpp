@@ -37,17 +37,10 @@ void validate(const OdometryParameters& p) {
 void validate(const LocalizerParameters& p) {
   validate(p.filter);
   validate(p.motion);
-  validate(p.beam_model);
+  validate(p.sensor);
   validate(p.odometry);
   std::ostringstream problem;
-  const std::vector<std::string> methods = rangeCasterNames();
-  if (std::find(methods.begin(), methods.end(), p.caster.range_method) == methods.end()) {
-    problem << "range_method is '" << p.caster.range_method << "'; it must be one of";
-    for (const std::string& method : methods) problem << " " << method;
-  } else if (!(std::isfinite(p.caster.max_range) && p.caster.max_range >= 0.0)) {
-    problem << "max_range is " << p.caster.max_range
-            << " m; it must be positive, or 0 for the sensor table's range";
-  } else if (p.num_beams_per_particle < 1 || p.num_beams_per_particle > 10000) {
+  if (p.num_beams_per_particle < 1 || p.num_beams_per_particle > 10000) {
     problem << "num_beams_per_particle is " << p.num_beams_per_particle
             << "; it must lie in [1, 10000]";
   } else if (p.min_beams < 1 || p.min_beams > p.num_beams_per_particle) {
@@ -62,7 +55,7 @@ void validate(const LocalizerParameters& p) {
 }
 
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const LocalizerParameters& parameters) {
-  return makeMapModel(std::move(grid), parameters.caster, parameters.beam_model);
+  return makeMapModel(std::move(grid), parameters.sensor);
 }
 
 std::string describe(ScanOutcome outcome) {

@@ -33,6 +33,10 @@ std::vector<std::string> wordsOf<UnknownIs>() {
   return {"free", "occupied"};
 }
 template <>
+std::vector<std::string> wordsOf<SensorModel>() {
+  return {"beam", "likelihood_field"};
+}
+template <>
 std::vector<std::string> wordsOf<MotionFrom>() {
   return {"twist", "pose"};
 }
@@ -71,19 +75,25 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("deskew", p.deskew);
   visit("parked_updates", p.parked_updates);
 
-  visit("alpha_hit", p.beam_model.table.alpha_hit);
-  visit("alpha_short", p.beam_model.table.alpha_short);
-  visit("alpha_max", p.beam_model.table.alpha_max);
-  visit("alpha_rand", p.beam_model.table.alpha_rand);
-  visit("sigma_hit", p.beam_model.table.sigma_hit);
-  visit("table_width", p.beam_model.table.table_width);
-  visit("lidar_scale_to_map_scale", p.beam_model.lidar_scale_to_map_scale);
-  visit("pixels_per_cell", p.beam_model.pixels_per_cell);
-  visit("squash_factor", p.beam_model.squash_factor);
+  visit("sensor_model", p.sensor.sensor_model);
+  visit("field_sigma", p.sensor.field.field_sigma);
+  visit("field_rand", p.sensor.field.field_rand);
+  visit("field_max_range", p.sensor.field.field_max_range);
+  visit("field_squash", p.sensor.field.field_squash);
 
-  visit("range_method", p.caster.range_method);
-  visit("max_range", p.caster.max_range);
-  visit("unknown_is", p.caster.unknown_is);
+  visit("alpha_hit", p.sensor.beam.table.alpha_hit);
+  visit("alpha_short", p.sensor.beam.table.alpha_short);
+  visit("alpha_max", p.sensor.beam.table.alpha_max);
+  visit("alpha_rand", p.sensor.beam.table.alpha_rand);
+  visit("sigma_hit", p.sensor.beam.table.sigma_hit);
+  visit("table_width", p.sensor.beam.table.table_width);
+  visit("lidar_scale_to_map_scale", p.sensor.beam.lidar_scale_to_map_scale);
+  visit("pixels_per_cell", p.sensor.beam.pixels_per_cell);
+  visit("squash_factor", p.sensor.beam.squash_factor);
+
+  visit("range_method", p.sensor.caster.range_method);
+  visit("max_range", p.sensor.caster.max_range);
+  visit("unknown_is", p.sensor.caster.unknown_is);
 
   visit("motion_from", p.odometry.motion_from);
   visit("max_odometry_gap", p.odometry.max_odometry_gap);

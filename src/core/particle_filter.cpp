@@ -32,8 +32,12 @@ LidarPoses lidarPoses(const ParticleSet& particles, const Pose2& laser_in_base) 
 
 Eigen::ArrayXd logLikelihoods(MapModel* map, const ParticleSet& particles, const Scan& beams) {
   const LidarPoses lidars = lidarPoses(particles, beams.laser_in_base);
-  map->caster->prepare(lidars.batch(), beams.bearings);
   Eigen::ArrayXd log_likelihoods(particles.size());
+  if (map->likelihood_field) {
+    map->likelihood_field->logLikelihood(lidars.batch(), beams, log_likelihoods);
+    return log_likelihoods;
+  }
+  map->caster->prepare(lidars.batch(), beams.bearings);
   Eigen::ArrayXXf ranges(beams.size(), kChunk);
   for (Eigen::Index first = 0; first < particles.size(); first += kChunk) {
     const Eigen::Index count = std::min(kChunk, particles.size() - first);
@@ -88,27 +92,45 @@ void validate(const ParticleFilterParameters& p) {
   if (!problem.str().empty()) throw ParameterError(problem.str());
 }
 
-std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const RangeCasterParameters& caster,
-                                       const BeamModelParameters& beam_model) {
+void validate(const SensorParameters& p) {
+  validate(p.beam);
+  validate(p.field);
+  std::ostringstream problem;
+  const std::vector<std::string> methods = rangeCasterNames();
+  if (std::find(methods.begin(), methods.end(), p.caster.range_method) == methods.end()) {
+    problem << "range_method is '" << p.caster.range_method << "'; it must be one of";
+    for (const std::string& method : methods) problem << " " << method;
+  } else if (!(std::isfinite(p.caster.max_range) && p.caster.max_range >= 0.0)) {
+    problem << "max_range is " << p.caster.max_range
+            << " m; it must be positive, or 0 for the sensor table's range";
+  }
+  if (!problem.str().empty()) throw ParameterError(problem.str());
+}
+
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameters& sensor) {
   std::vector<Cell> free_cells = freeCells(grid);
   if (free_cells.empty()) {
     throw MapError("the map of " + std::to_string(grid.geometry().width) + " x " +
                    std::to_string(grid.geometry().height) +
                    " cells has no free cell: a car can be nowhere on it");
   }
-  BeamModel model(beam_model, grid.geometry().resolution);
-  RangeCasterParameters filled = caster;
-  if (filled.max_range == 0.0) filled.max_range = model.maxRange();
-  if (filled.max_range < model.maxRange() - grid.geometry().resolution / 2.0) {
+  const double resolution = grid.geometry().resolution;
+  BeamModel beam_model(sensor.beam, resolution);
+  RangeCasterParameters caster = sensor.caster;
+  if (caster.max_range == 0.0) caster.max_range = beam_model.maxRange();
+  if (caster.max_range < beam_model.maxRange() - resolution / 2.0) {
     std::ostringstream problem;
-    problem << "max_range is " << filled.max_range << " m but the sensor table reaches to "
-            << model.maxRange() << " m on a map of " << grid.geometry().resolution
+    problem << "max_range is " << caster.max_range << " m but the sensor table reaches to "
+            << beam_model.maxRange() << " m on a map of " << resolution
             << " m per cell; expected at least that, or 0 for exactly that";
     throw ParameterError(problem.str());
   }
-  std::unique_ptr<RangeCaster> made = makeRangeCaster(grid, filled);
-  return std::make_shared<MapModel>(
-      MapModel{std::move(grid), std::move(made), std::move(model), std::move(free_cells)});
+  std::unique_ptr<RangeCaster> made = makeRangeCaster(grid, caster);
+  std::optional<LikelihoodField> field;
+  if (sensor.sensor_model == SensorModel::kLikelihoodField) field.emplace(grid, sensor.field);
+  return std::make_shared<MapModel>(MapModel{std::move(grid), std::move(made),
+                                             std::move(beam_model), std::move(field),
+                                             std::move(free_cells)});
 }
 
 ParticleFilter::ParticleFilter(const ParticleFilterParameters& parameters,

@@ -1,0 +1,52 @@
+// The sensor model without rays: a beam is likely where it ends near an obstacle (Probabilistic
+// Robotics, section 6.4).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/range_caster.h"
+#include "racecar_mcl/scan.h"
+
+namespace racecar_mcl {
+
+struct LikelihoodFieldParameters {
+  double field_sigma = 0.1;       ///< m, distance from an obstacle at which a beam counts half
+  double field_rand = 0.025;      ///< share of beams that end anywhere, in (0, 1)
+  double field_max_range = 30.0;  ///< m, longer beams and those without a return are not weighed
+  double field_squash =
+      6.0;  ///< a particle's weight is the product of its beams to the power 1 / this
+};
+
+/// Throws ParameterError on a value out of range.
+void validate(const LikelihoodFieldParameters& parameters);
+
+/// The log-likelihood of a beam that ends at a distance d from the nearest obstacle,
+///
+///   log((1 - field_rand) / (1 + (d / field_sigma)^2) + field_rand),
+///
+/// stored per cell and interpolated between cell centres, so that the result does not jump from
+/// cell to cell. The tails are a Cauchy's, not a Gaussian's: maps are wrong by more than their
+/// lidar's noise. A beam that ends outside the map counts as field_rand.
+class LikelihoodField {
+ public:
+  LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);
+
+  /// The squashed log-likelihood of one scan from each of N lidar poses (map frame): N values.
+  void logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
+                     Eigen::Ref<Eigen::ArrayXd> log_likelihood) const;
+
+  std::size_t memoryBytes() const { return log_field_.size() * sizeof(float); }
+
+ private:
+  float at(float column, float row) const;
+
+  GridGeometry geometry_;
+  float max_range_;
+  float squash_;
+  float log_rand_;
+  std::vector<float> log_field_;  ///< row by row, one value per cell centre
+};
+
+}  // namespace racecar_mcl

@@ -1,0 +1,90 @@
+#include "racecar_mcl/likelihood_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "racecar_mcl/distance_field.h"
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl {
+
+void validate(const LikelihoodFieldParameters& p) {
+  std::ostringstream problem;
+  if (!(std::isfinite(p.field_sigma) && p.field_sigma > 0.0)) {
+    problem << "field_sigma is " << p.field_sigma << " m; it must be positive";
+  } else if (!(p.field_rand > 0.0 && p.field_rand < 1.0)) {
+    problem << "field_rand is " << p.field_rand << "; it must lie between 0 and 1";
+  } else if (!(std::isfinite(p.field_max_range) && p.field_max_range > 0.0)) {
+    problem << "field_max_range is " << p.field_max_range << " m; it must be positive";
+  } else if (!(std::isfinite(p.field_squash) && p.field_squash > 0.0)) {
+    problem << "field_squash is " << p.field_squash << "; it must be positive";
+  }
+  if (!problem.str().empty()) throw ParameterError(problem.str());
+}
+
+LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
+                                 const LikelihoodFieldParameters& parameters)
+    : geometry_(grid.geometry()),
+      max_range_(static_cast<float>(parameters.field_max_range)),
+      squash_(static_cast<float>(1.0 / parameters.field_squash)),
+      log_rand_(static_cast<float>(std::log(parameters.field_rand))) {
+  validate(parameters);
+  // A beam that ends in unknown space has met something the map does not know, whatever rays do
+  // there.
+  log_field_ =
+      obstacleDistances(obstacleMask(grid, UnknownIs::kFree), geometry_.width, geometry_.height);
+  const double cells_per_sigma = parameters.field_sigma / geometry_.resolution;
+  for (float& value : log_field_) {
+    const double d = static_cast<double>(value) / cells_per_sigma;
+    value = static_cast<float>(
+        std::log((1.0 - parameters.field_rand) / (1.0 + d * d) + parameters.field_rand));
+  }
+}
+
+float LikelihoodField::at(float column, float row) const {
+  const float left = std::floor(column);
+  const float below = std::floor(row);
+  // Written so that NaN, too, falls outside.
+  if (!(left >= 0.0f && below >= 0.0f && left < static_cast<float>(geometry_.width - 1) &&
+        below < static_cast<float>(geometry_.height - 1))) {
+    return log_rand_;
+  }
+  const float across = column - left;
+  const float up = row - below;
+  const float* lower =
+      &log_field_[static_cast<std::size_t>(below) * static_cast<std::size_t>(geometry_.width) +
+                  static_cast<std::size_t>(left)];
+  const float* upper = lower + geometry_.width;
+  return (1.0f - up) * ((1.0f - across) * lower[0] + across * lower[1]) +
+         up * ((1.0f - across) * upper[0] + across * upper[1]);
+}
+
+void LikelihoodField::logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
+                                    Eigen::Ref<Eigen::ArrayXd> log_likelihood) const {
+  // End points in cells, seen from the lidar; each pose then only turns and shifts them.
+  const auto cells_per_metre = static_cast<float>(1.0 / geometry_.resolution);
+  std::vector<float> end_x, end_y;
+  end_x.reserve(static_cast<std::size_t>(beams.size()));
+  end_y.reserve(static_cast<std::size_t>(beams.size()));
+  for (Eigen::Index k = 0; k < beams.size(); ++k) {
+    if (!(beams.ranges[k] < max_range_)) continue;
+    end_x.push_back(beams.ranges[k] * std::cos(beams.bearings[k]) * cells_per_metre);
+    end_y.push_back(beams.ranges[k] * std::sin(beams.bearings[k]) * cells_per_metre);
+  }
+  for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
+    const Eigen::Vector2d origin = worldToGrid(geometry_, {lidar_in_map.x[i], lidar_in_map.y[i]});
+    const double yaw = lidar_in_map.yaw[i] - geometry_.origin.yaw;
+    const auto c = static_cast<float>(std::cos(yaw));
+    const auto s = static_cast<float>(std::sin(yaw));
+    const auto column = static_cast<float>(origin.x() - 0.5);
+    const auto row = static_cast<float>(origin.y() - 0.5);
+    float sum = 0.0f;
+    for (std::size_t k = 0; k < end_x.size(); ++k) {
+      sum += at(column + c * end_x[k] - s * end_y[k], row + s * end_x[k] + c * end_y[k]);
+    }
+    log_likelihood[i] = static_cast<double>(squash_ * sum);
+  }
+}
+
+}  // namespace racecar_mcl
