@@ -47,22 +47,27 @@ Eigen::Matrix3d differentialNoise(const MotionModelParameters& p, const Motion& 
 }
 
 /// A heading that walks at random while the car drives a length L bends the path sideways: var(y) =
-/// L^2/3 and cov(y, yaw) = L/2 times the variance of the yaw.
+/// L^2/3 and cov(y, yaw) = L/2 times the variance of the yaw. A heading that drifts steadily bends
+/// it on an arc: the sideways offset is L/2 times the final yaw.
 Eigen::Matrix3d ackermannNoise(const MotionModelParameters& p, const Motion& motion) {
-  const double yaw_variance = square(p.yaw_per_metre) * motion.distance +
-                              square(p.yaw_per_radian) * motion.rotation +
-                              square(p.yaw_per_second) * motion.seconds;
+  const double walk = square(p.yaw_per_metre) * motion.distance +
+                      square(p.yaw_per_radian) * motion.rotation +
+                      square(p.yaw_per_second) * motion.seconds;
+  const double drift =
+      square(p.curvature_error * motion.distance) + square(p.turn_scale_error * motion.delta.yaw);
   const double speed = motion.seconds > 0.0 ? motion.distance / motion.seconds : 0.0;
   const double turn_rate = motion.seconds > 0.0 ? motion.rotation / motion.seconds : 0.0;
   const double slip = square(p.slip_per_acceleration * speed * turn_rate) * motion.distance;
   const double still = square(p.position_per_second) * motion.seconds;
-  const double along = square(p.along_per_metre) * motion.distance + slip + still;
-  const double across = square(p.across_per_metre) * motion.distance + slip + still;
+  const double length = motion.delta.x;
 
-  const double heading_length = motion.delta.x;
-  Eigen::Matrix3d covariance = Eigen::Vector3d(along, across, yaw_variance).asDiagonal();
-  covariance(1, 1) += yaw_variance * square(heading_length) / 3.0;
-  covariance(1, 2) = covariance(2, 1) = yaw_variance * heading_length / 2.0;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  covariance(0, 0) =
+      square(p.along_per_metre) * motion.distance + slip + still + square(p.scale_error * length);
+  covariance(1, 1) = square(p.across_per_metre) * motion.distance + slip + still +
+                     walk * square(length) / 3.0 + drift * square(length) / 4.0;
+  covariance(1, 2) = covariance(2, 1) = (walk + drift) * length / 2.0;
+  covariance(2, 2) = walk + drift;
   return covariance;
 }
 
@@ -83,7 +88,10 @@ void validate(const MotionModelParameters& p) {
       {"yaw_per_radian", p.yaw_per_radian},
       {"position_per_second", p.position_per_second},
       {"yaw_per_second", p.yaw_per_second},
-      {"slip_per_acceleration", p.slip_per_acceleration}};
+      {"slip_per_acceleration", p.slip_per_acceleration},
+      {"scale_error", p.scale_error},
+      {"curvature_error", p.curvature_error},
+      {"turn_scale_error", p.turn_scale_error}};
   for (const auto& [name, value] : sigmas) {
     if (!(value >= 0.0 && value <= 1000.0)) {
       std::ostringstream problem;

@@ -68,6 +68,9 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("position_per_second", p.motion.position_per_second);
   visit("yaw_per_second", p.motion.yaw_per_second);
   visit("slip_per_acceleration", p.motion.slip_per_acceleration);
+  visit("scale_error", p.motion.scale_error);
+  visit("curvature_error", p.motion.curvature_error);
+  visit("turn_scale_error", p.motion.turn_scale_error);
 
   visit("num_beams_per_particle", p.num_beams_per_particle);
   visit("scan_field_of_view", p.scan_field_of_view);
