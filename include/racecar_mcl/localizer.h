@@ -112,7 +112,7 @@ class Localizer {
 
   /// The three parts of addScan, for a driver that takes odometry while a scan is being processed.
   /// Prepare and commit are short and touch what addOdometry and estimateAt touch; process is long
-  /// and touches only particles and map.
+  /// and touches only particles and map. No start and no new map may come between the three.
   ScanTask prepareScan(const Scan& scan);
   void processScan(ScanTask* task);
   ScanResult commitScan(const ScanTask& task);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "racecar_mcl/errors.h"
 
@@ -116,8 +118,7 @@ bool Localizer::initializeGlobally() {
 }
 
 void Localizer::anchorHere() {
-  const std::optional<double> now = newestStamp();
-  anchor_ = Anchor{filter_.estimate(), now ? odometry_.at(*now) : OdometryState{}};
+  anchor_ = Anchor{filter_.estimate(), odometry_.at(newestStamp().value_or(0.0))};
   scans_since_stop_ = 0;
 }
 
@@ -126,6 +127,7 @@ OdometryOutcome Localizer::addOdometry(const OdometrySample& sample) {
   const OdometryOutcome outcome = odometry_.add(sample);
   switch (outcome) {
     case OdometryOutcome::kNotFinite:
+    case OdometryOutcome::kImplausible:
     case OdometryOutcome::kRepeatedStamp:
     case OdometryOutcome::kOutOfOrder:
       ++counters_.odometry_dropped;
@@ -152,6 +154,11 @@ ScanOutcome Localizer::admit(const Scan& scan) {
     if (elapsed <= -parameters_.odometry.clock_jump) {
       ++counters_.time_jumps;
       last_scan_stamp_.reset();
+      // Odometry that has not jumped yet knows nothing of the new time.
+      if (!odometry_.empty() &&
+          scan.stamp <= odometry_.newestStamp() - parameters_.odometry.clock_jump) {
+        odometry_.startAgain();
+      }
       return ScanOutcome::kTimeJumpedBack;
     }
     if (elapsed < 0.0) return ScanOutcome::kOutOfOrder;
@@ -181,7 +188,10 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
       return between(task.odometry.base_in_odom, odometry_.at(scan.stamp + seconds).base_in_odom);
     });
   }
-  scans_since_stop_ = isParked(task.motion) ? scans_since_stop_ + 1 : 0;
+  // Silent odometry is no sign that the car stands.
+  const bool heard = !odometry_.empty() &&
+                     scan.stamp - odometry_.newestStamp() <= parameters_.odometry.max_odometry_gap;
+  scans_since_stop_ = heard && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
   task.weigh = scans_since_stop_ <= parameters_.parked_updates;
   if (!task.weigh) task.result.outcome = ScanOutcome::kParked;
   last_scan_stamp_ = scan.stamp;
