@@ -221,7 +221,7 @@ TEST_F(LocalizerTest, CountsEveryScanOnce) {
 
 TEST_F(LocalizerTest, MovesOnButWeighsNothingWhereNoParticleCanHaveSeenTheScan) {
   LocalizerParameters parameters = fewBeams();
-  parameters.beam_model.table = {0.0, 0.9, 0.1, 0.0, 8.0, 201};  // never beyond the expected range
+  parameters.sensor.beam.table = {0.0, 0.9, 0.1, 0.0, 8.0, 201};  // never beyond the expected range
   parameters.deskew = false;
   Localizer localizer = started(parameters);
   localizer.addOdometry(odometryAt(start_ + 0.02));
@@ -481,7 +481,7 @@ TEST_F(LocalizerTest, CorrectsForTheMotionDuringASweep) {
   const auto bias = [&](bool deskewed) {
     LocalizerParameters parameters = fewBeams();
     parameters.deskew = deskewed;
-    parameters.beam_model.table.sigma_hit = 2.0;
+    parameters.sensor.beam.table.sigma_hit = 2.0;
     Localizer localizer = started(parameters);
     Eigen::Vector2d sum(0.0, 0.0);
     int count = 0;
@@ -544,11 +544,12 @@ TEST(LocalizerParameters, RefuseWhatCannotBe) {
   };
   const P bad[] = {changed([](P& p) { p.filter.num_particles = 0; }),
                    changed([](P& p) { p.motion.yaw_per_metre = -1.0; }),
-                   changed([](P& p) { p.beam_model.squash_factor = 0.0; }),
-                   changed([](P& p) { p.beam_model.table.alpha_hit = 0.9; }),
-                   changed([](P& p) { p.caster.range_method = "teleport"; }),
-                   changed([](P& p) { p.caster.max_range = -1.0; }),
-                   changed([](P& p) { p.caster.max_range = kInf; }),
+                   changed([](P& p) { p.sensor.beam.squash_factor = 0.0; }),
+                   changed([](P& p) { p.sensor.beam.table.alpha_hit = 0.9; }),
+                   changed([](P& p) { p.sensor.field.field_rand = 0.0; }),
+                   changed([](P& p) { p.sensor.caster.range_method = "teleport"; }),
+                   changed([](P& p) { p.sensor.caster.max_range = -1.0; }),
+                   changed([](P& p) { p.sensor.caster.max_range = kInf; }),
                    changed([](P& p) { p.odometry.max_odometry_gap = 0.0; }),
                    changed([](P& p) { p.odometry.max_odometry_extrapolation = -0.1; }),
                    changed([](P& p) { p.odometry.clock_jump = kNan; }),

@@ -40,9 +40,15 @@ BeamModelParameters beamModel() {
   return parameters;
 }
 
-std::shared_ptr<MapModel> room(const BeamModelParameters& beam_model = beamModel()) {
-  return makeMapModel(asciiMap(kRoom, 0.1, {-1.0, 0.5, 0.2}), {"bresenham", 0.0, UnknownIs::kFree},
-                      beam_model);
+SensorParameters sensor(const BeamModelParameters& beam, double max_range = 0.0) {
+  SensorParameters parameters;
+  parameters.caster = {"bresenham", max_range, UnknownIs::kFree};
+  parameters.beam = beam;
+  return parameters;
+}
+
+std::shared_ptr<MapModel> room(const BeamModelParameters& beam = beamModel()) {
+  return makeMapModel(asciiMap(kRoom, 0.1, {-1.0, 0.5, 0.2}), sensor(beam));
 }
 
 // The car in the middle of the room, whose grid is turned by 0.2 rad.
@@ -419,17 +425,14 @@ TEST(ParticleFilter, OneSeedGivesOneResult) {
 
 TEST(MapModel, RefusesAMapWithoutAFreeCell) {
   for (const char* drawing : {"###", "???", "#?#"}) {
-    EXPECT_THROW(
-        makeMapModel(asciiMap(drawing, 0.1), {"bresenham", 0.0, UnknownIs::kFree}, beamModel()),
-        MapError);
+    EXPECT_THROW(makeMapModel(asciiMap(drawing, 0.1), sensor(beamModel())), MapError);
   }
 }
 
 TEST(MapModel, ExpectedRangesReachAsFarAsMeasuredOnes) {
   // The table of 101 pixels reaches to 10 m.
   const auto with = [](double max_range) {
-    return makeMapModel(asciiMap(kRoom, 0.1), {"bresenham", max_range, UnknownIs::kFree},
-                        beamModel());
+    return makeMapModel(asciiMap(kRoom, 0.1), sensor(beamModel(), max_range));
   };
   EXPECT_NO_THROW(with(0.0));
   EXPECT_NO_THROW(with(10.0));
