@@ -28,7 +28,8 @@ void validate(const LikelihoodFieldParameters& parameters);
 ///
 /// stored per cell and interpolated between cell centres, so that the result does not jump from
 /// cell to cell. The tails are a Cauchy's, not a Gaussian's: maps are wrong by more than their
-/// lidar's noise. A beam that ends outside the map counts as field_rand.
+/// lidar's noise. A beam that ends outside the map, by more than four field_sigma, counts as
+/// field_rand.
 class LikelihoodField {
  public:
   LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);
@@ -42,7 +43,7 @@ class LikelihoodField {
  private:
   float at(float column, float row) const;
 
-  GridGeometry geometry_;
+  GridGeometry geometry_;  ///< of the field: the map's and a margin around it
   float max_range_;
   float squash_;
   float log_rand_;

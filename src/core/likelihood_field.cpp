@@ -8,17 +8,40 @@
 #include "racecar_mcl/errors.h"
 
 namespace racecar_mcl {
+namespace {
+
+// The field goes on around the map for this many field_sigma, as a wall may stand at its very edge.
+constexpr double kMarginSigmas = 4.0;
+constexpr double kWidestMargin = 200.0;  // cells
+
+/// The obstacles of a grid with a margin of free cells around it.
+std::vector<std::uint8_t> paddedObstacles(const OccupancyGrid& grid, int margin) {
+  const GridGeometry& geometry = grid.geometry();
+  // A beam that ends in unknown space has met something the map does not know, whatever rays do
+  // there.
+  const std::vector<std::uint8_t> mask = obstacleMask(grid, UnknownIs::kFree);
+  const auto stride = static_cast<std::ptrdiff_t>(geometry.width + 2 * margin);
+  std::vector<std::uint8_t> padded(
+      static_cast<std::size_t>(stride * (geometry.height + 2 * margin)), 0);
+  for (int row = 0; row < geometry.height; ++row) {
+    const auto from = mask.begin() + static_cast<std::ptrdiff_t>(row) * geometry.width;
+    std::copy(from, from + geometry.width, padded.begin() + (row + margin) * stride + margin);
+  }
+  return padded;
+}
+
+}  // namespace
 
 void validate(const LikelihoodFieldParameters& p) {
   std::ostringstream problem;
-  if (!(std::isfinite(p.field_sigma) && p.field_sigma > 0.0)) {
-    problem << "field_sigma is " << p.field_sigma << " m; it must be positive";
+  if (!(p.field_sigma >= 1e-3 && p.field_sigma <= 1e3)) {
+    problem << "field_sigma is " << p.field_sigma << " m; it must lie in [0.001, 1000]";
   } else if (!(p.field_rand > 0.0 && p.field_rand < 1.0)) {
     problem << "field_rand is " << p.field_rand << "; it must lie between 0 and 1";
-  } else if (!(std::isfinite(p.field_max_range) && p.field_max_range > 0.0)) {
-    problem << "field_max_range is " << p.field_max_range << " m; it must be positive";
-  } else if (!(std::isfinite(p.field_squash) && p.field_squash > 0.0)) {
-    problem << "field_squash is " << p.field_squash << "; it must be positive";
+  } else if (!(p.field_max_range > 0.0 && p.field_max_range <= 1e4)) {
+    problem << "field_max_range is " << p.field_max_range << " m; it must lie in (0, 10000]";
+  } else if (!(p.field_squash >= 1e-3 && p.field_squash <= 1e3)) {
+    problem << "field_squash is " << p.field_squash << "; it must lie in [0.001, 1000]";
   }
   if (!problem.str().empty()) throw ParameterError(problem.str());
 }
@@ -30,11 +53,14 @@ LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
       squash_(static_cast<float>(1.0 / parameters.field_squash)),
       log_rand_(static_cast<float>(std::log(parameters.field_rand))) {
   validate(parameters);
-  // A beam that ends in unknown space has met something the map does not know, whatever rays do
-  // there.
-  log_field_ =
-      obstacleDistances(obstacleMask(grid, UnknownIs::kFree), geometry_.width, geometry_.height);
   const double cells_per_sigma = parameters.field_sigma / geometry_.resolution;
+  const int margin =
+      static_cast<int>(std::ceil(std::min(kMarginSigmas * cells_per_sigma, kWidestMargin)));
+  const double shift = -margin * geometry_.resolution;
+  geometry_.origin = compose(geometry_.origin, {shift, shift, 0.0});
+  geometry_.width += 2 * margin;
+  geometry_.height += 2 * margin;
+  log_field_ = obstacleDistances(paddedObstacles(grid, margin), geometry_.width, geometry_.height);
   for (float& value : log_field_) {
     const double d = static_cast<double>(value) / cells_per_sigma;
     value = static_cast<float>(
