@@ -1,0 +1,217 @@
+// Localizes over recorded bags, without a ROS master and as fast as it goes, and says how well.
+#include <unistd.h>
+
+#include <boost/version.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+#if BOOST_VERSION >= 107200
+#include <boost/timer/progress_display.hpp>
+using ProgressBar = boost::timer::progress_display;
+#else
+#include <boost/progress.hpp>
+using ProgressBar = boost::progress_display;
+#endif
+
+#include "bag_reader.h"
+#include "evaluation/trajectory.h"
+#include "evaluation/trajectory_error.h"
+#include "program.h"
+#include "racecar_mcl/errors.h"
+#include "racecar_mcl/localizer.h"
+#include "racecar_mcl/map_io.h"
+#include "racecar_mcl/parameters.h"
+#include "replay_outputs.h"
+#include "replay_run.h"
+
+namespace racecar_mcl {
+namespace {
+
+constexpr char kTruthTopic[] = "/ground_truth/odom";
+// How well a truth is taken to be known where the localizer starts from it.
+constexpr double kTruthSigma = 0.1;      // m
+constexpr double kTruthYawSigma = 0.05;  // rad
+
+struct Options {
+  std::vector<std::string> bags;
+  std::string map;
+  std::string out;
+  std::string config;
+  std::vector<std::string> settings;  ///< name:=value
+  std::string initial_pose;
+  bool initial_pose_from_truth = false;
+  bool global = false;
+  std::string truth;
+  std::uint64_t seed = 1;
+  std::string scan_topic = "/scan";
+  std::string odom_topic = "/vesc/odom";
+  std::string base_frame = "base_link";
+  std::string laser_pose;
+  std::string motion_from;
+  double max_gap = 0.5;
+};
+
+void addOptions(Options* o, CLI::App* app) {
+  app->add_option("--bag", o->bags, "a recording; may be given several times")->required();
+  app->add_option("--map", o->map, "the map's YAML file")->required();
+  app->add_option("--out", o->out, "folder for trajectory.tum, updates.csv and summary.json")
+      ->required();
+  app->add_option("--config", o->config, "parameters as a YAML file");
+  app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  CLI::Option* pose = app->add_option("--initial-pose", o->initial_pose,
+                                      "\"x y yaw\" in the map, at the first message");
+  CLI::Option* from_truth = app->add_flag("--initial-pose-from-truth", o->initial_pose_from_truth,
+                                          "start from the truth's first pose, when it holds");
+  app->add_flag("--global", o->global, "start anywhere on the map; so does no start at all")
+      ->excludes(pose)
+      ->excludes(from_truth);
+  pose->excludes(from_truth);
+  app->add_option("--truth", o->truth, "the true trajectory, a TUM file");
+  app->add_option("--seed", o->seed, "of every random number")->capture_default_str();
+  app->add_option("--scan-topic", o->scan_topic, "sensor_msgs/LaserScan")->capture_default_str();
+  app->add_option("--odom-topic", o->odom_topic, "nav_msgs/Odometry")->capture_default_str();
+  app->add_option("--base-frame", o->base_frame, "the frame that is localized")
+      ->capture_default_str();
+  app->add_option("--laser-pose", o->laser_pose,
+                  "\"x y yaw\" of the lidar on the car, instead of the bag's tf");
+  app->add_option("--motion-from", o->motion_from, "twist or pose: what of odometry is believed");
+  app->add_option("--max-gap", o->max_gap,
+                  "s; no error is taken where estimates lie further apart than this")
+      ->capture_default_str();
+  app->footer(std::string("Without --truth, ") + kTruthTopic +
+              " (nav_msgs/Odometry) is the truth where a bag holds it.");
+}
+
+Pose2 parsePose(const std::string& option, const std::string& text) {
+  std::istringstream fields(text);
+  Pose2 pose;
+  std::string rest;
+  if (!(fields >> pose.x >> pose.y >> pose.yaw) || fields >> rest) {
+    throw ParameterError(option + " is '" + text + "'; expected \"x y yaw\" (m, m, rad)");
+  }
+  pose.yaw = wrapAngle(pose.yaw);
+  return pose;
+}
+
+LocalizerParameters readParameters(const Options& o) {
+  LocalizerParameters parameters;
+  if (!o.config.empty()) readParameterFile(o.config, &parameters);
+  for (const std::string& setting : o.settings) {
+    const std::size_t assign = setting.find(":=");
+    if (assign == std::string::npos) {
+      throw ParameterError("--set is '" + setting + "'; expected name:=value");
+    }
+    setParameter(setting.substr(0, assign), setting.substr(assign + 2), &parameters);
+  }
+  if (!o.motion_from.empty()) setParameter("motion_from", o.motion_from, &parameters);
+  return parameters;
+}
+
+/// The truth from a file or from the bag; none where there is neither.
+std::optional<Trajectory> readTruth(const Options& o, const BagReader& bags) {
+  if (!o.truth.empty()) return readTum(o.truth);
+  if (bags.hasTopic(kTruthTopic, "nav_msgs/Odometry")) return bags.readPoses(kTruthTopic);
+  return std::nullopt;
+}
+
+std::optional<TimedStart> startFromTruth(const std::optional<Trajectory>& truth) {
+  if (!truth) {
+    throw ParameterError(std::string("--initial-pose-from-truth needs --truth or ") + kTruthTopic +
+                         " in the bag");
+  }
+  TimedStart start{truth->front().stamp, {truth->front().pose, {}}};
+  start.estimate.covariance.diagonal() << kTruthSigma * kTruthSigma, kTruthSigma * kTruthSigma,
+      kTruthYawSigma * kTruthYawSigma;
+  return start;
+}
+
+/// Starts the localizer now, or says when it is to be started.
+std::optional<TimedStart> start(const Options& o, const std::optional<Trajectory>& truth,
+                                Localizer* localizer) {
+  if (o.initial_pose_from_truth) return startFromTruth(truth);
+  if (!o.initial_pose.empty()) {
+    localizer->initialize({parsePose("--initial-pose", o.initial_pose), Eigen::Matrix3d::Zero()});
+  } else {
+    localizer->initializeGlobally();
+  }
+  return std::nullopt;
+}
+
+std::string span(const Trajectory& trajectory) {
+  return "[" + formatStamp(trajectory.front().stamp) + ", " + formatStamp(trajectory.back().stamp) +
+         "]";
+}
+
+std::optional<TrajectoryErrors> errorsOf(const Trajectory& estimate,
+                                         const std::optional<Trajectory>& truth, double max_gap) {
+  if (!truth) return std::nullopt;
+  const TrajectoryErrors errors = compareTrajectories(estimate, *truth, max_gap);
+  if (errors.stamps_used == 0) {
+    throw TrajectoryError("no error can be taken: the truth covers " + span(*truth) +
+                          " s, the estimate " + span(estimate) + " s, and " +
+                          std::to_string(errors.stamps_skipped) +
+                          " stamps in common lie in gaps over --max-gap");
+  }
+  return errors;
+}
+
+void warnAbout(const ReplayRecord& record) {
+  if (record.scans_refused == 0) return;
+  std::cerr << "replay: warning: " << record.scans_refused << " of " << record.scans_seen
+            << " scans are not usable; the first because " << record.first_refusal << std::endl;
+}
+
+void replay(const Options& o) {
+  if (!(o.max_gap >= 0.0)) {
+    throw ParameterError("--max-gap is " + std::to_string(o.max_gap) +
+                         " s; it must not be negative");
+  }
+  const LocalizerParameters parameters = readParameters(o);
+  Localizer localizer(parameters, o.seed);
+  localizer.setMap(makeMapModel(loadMap(o.map), parameters));
+
+  const BagReader bags(o.bags);
+  bags.requireTopic(o.scan_topic, "sensor_msgs/LaserScan", "--scan-topic");
+  bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
+  const std::optional<Trajectory> truth = readTruth(o, bags);
+
+  ReplayInput input;
+  input.scan_topic = o.scan_topic;
+  input.odometry_topic = o.odom_topic;
+  input.mount = o.laser_pose.empty() ? bags.laserMount(o.scan_topic, o.base_frame)
+                                     : LaserMount{parsePose("--laser-pose", o.laser_pose), false};
+  input.start = start(o, truth, &localizer);
+
+  std::unique_ptr<ProgressBar> bar;
+  if (isatty(STDERR_FILENO) != 0) {
+    bar = std::make_unique<ProgressBar>(bags.count({o.scan_topic, o.odom_topic}), std::cerr, "");
+  }
+  const ReplayRecord record = runReplay(bags, input, &localizer, [&] {
+    if (bar) ++*bar;
+  });
+  warnAbout(record);
+  if (record.trajectory.empty()) {
+    throw BagError("no pose was estimated: the recording ended before the localizer was started");
+  }
+  const std::optional<TrajectoryErrors> errors = errorsOf(record.trajectory, truth, o.max_gap);
+
+  const RunDescription description{parameters, o.seed, RACECAR_MCL_VERSION, localizer.counters()};
+  writeOutputs(o.out, record, summaryJson(record, description, errors));
+  std::cout << summaryText(record, description, errors) << std::endl;
+}
+
+}  // namespace
+}  // namespace racecar_mcl
+
+int main(int argc, char** argv) {
+  racecar_mcl::Options options;
+  CLI::App app("Localizes over recorded bags and writes trajectory.tum, updates.csv, summary.json.",
+               "replay");
+  racecar_mcl::addOptions(&options, &app);
+  return racecar_mcl::runProgram(app, argc, argv, [&] { racecar_mcl::replay(options); });
+}

@@ -1,0 +1,202 @@
+#include "bag_reader.h"
+
+#include <rosbag/query.h>
+#include <rosbag/view.h>
+#include <tf2/buffer_core.h>
+#include <tf2/exceptions.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace racecar_mcl {
+namespace {
+
+/// Topics were recorded with and without the leading slash.
+bool sameTopic(const std::string& a, const std::string& b) {
+  return stripLeadingSlash(a) == stripLeadingSlash(b);
+}
+
+std::vector<std::string> spellings(const std::vector<std::string>& topics) {
+  std::vector<std::string> all;
+  for (const std::string& topic : topics) {
+    all.push_back(stripLeadingSlash(topic));
+    all.push_back("/" + stripLeadingSlash(topic));
+  }
+  return all;
+}
+
+template <typename Message>
+typename Message::ConstPtr read(const rosbag::MessageInstance& instance) {
+  const typename Message::ConstPtr message = instance.instantiate<Message>();
+  if (!message) {
+    throw BagError("a message on " + instance.getTopic() + " is " + instance.getDataType() +
+                   " of another definition than this program's");
+  }
+  return message;
+}
+
+void insertTransforms(const tf2_msgs::TFMessage& message, bool is_static,
+                      tf2::BufferCore* transforms) {
+  for (geometry_msgs::TransformStamped transform : message.transforms) {
+    transform.header.frame_id = stripLeadingSlash(transform.header.frame_id);
+    transform.child_frame_id = stripLeadingSlash(transform.child_frame_id);
+    transforms->setTransform(transform, "bag", is_static);
+  }
+}
+
+}  // namespace
+
+BagReader::BagReader(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    auto bag = std::make_unique<rosbag::Bag>();
+    try {
+      bag->open(path, rosbag::bagmode::Read);
+    } catch (const rosbag::BagUnindexedException&) {
+      throw BagError(path + ": the bag has no index, as after a recording that was cut short; " +
+                     "'rosbag reindex' restores it");
+    } catch (const std::exception& error) {
+      throw BagError(path + ": the bag cannot be read: " + error.what());
+    }
+    bags_.push_back({path, std::move(bag)});
+  }
+}
+
+std::string BagReader::names() const {
+  std::string text;
+  for (const NamedBag& named : bags_) text += (text.empty() ? "" : ", ") + named.path;
+  return text;
+}
+
+std::string BagReader::contents() const {
+  std::map<std::string, std::string> types;
+  for (const NamedBag& named : bags_) {
+    rosbag::View view(*named.bag);
+    for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
+      types[connection->topic] = connection->datatype;
+    }
+  }
+  if (types.empty()) return "nothing";
+  std::string text;
+  for (const auto& [topic, type] : types) {
+    text += (text.empty() ? "" : ", ") + topic + " (" + type + ")";
+  }
+  return text;
+}
+
+bool BagReader::hasTopic(const std::string& topic, const std::string& type) const {
+  for (const NamedBag& named : bags_) {
+    rosbag::View view(*named.bag);
+    for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
+      if (sameTopic(connection->topic, topic) && connection->datatype == type) return true;
+    }
+  }
+  return false;
+}
+
+void BagReader::requireTopic(const std::string& topic, const std::string& type,
+                             const std::string& option) const {
+  if (hasTopic(topic, type)) return;
+  throw BagError(names() + ": no topic " + topic + " of type " + type + "; " + option +
+                 " names another; recorded were: " + contents());
+}
+
+std::size_t BagReader::count(const std::vector<std::string>& topics) const {
+  rosbag::View view;
+  for (const NamedBag& named : bags_) {
+    view.addQuery(*named.bag, rosbag::TopicQuery(spellings(topics)));
+  }
+  return view.size();
+}
+
+void BagReader::visitMessages(
+    const std::vector<std::string>& topics,
+    const std::function<bool(const rosbag::MessageInstance&)>& visit) const {
+  try {
+    rosbag::View view;
+    for (const NamedBag& named : bags_) {
+      view.addQuery(*named.bag, rosbag::TopicQuery(spellings(topics)));
+    }
+    for (const rosbag::MessageInstance& instance : view) {
+      if (!visit(instance)) return;
+    }
+  } catch (const rosbag::BagException& error) {
+    throw BagError(names() + ": the bag is broken: " + error.what());
+  } catch (const ros::serialization::StreamOverrunException& error) {
+    throw BagError(names() + ": the bag holds a message that is cut short: " + error.what());
+  }
+}
+
+void BagReader::forEach(const std::string& scan_topic, const std::string& odometry_topic,
+                        const std::function<void(const BagEvent&)>& visit) const {
+  // Scans wait here until all odometry recorded at the same time is through.
+  std::vector<BagEvent> scans;
+  const auto flush = [&] {
+    for (const BagEvent& scan : scans) visit(scan);
+    scans.clear();
+  };
+  visitMessages({scan_topic, odometry_topic}, [&](const rosbag::MessageInstance& instance) {
+    BagEvent event;
+    event.recorded = instance.getTime();
+    if (!scans.empty() && event.recorded != scans.front().recorded) flush();
+    if (sameTopic(instance.getTopic(), scan_topic)) {
+      event.scan = read<sensor_msgs::LaserScan>(instance);
+      scans.push_back(event);
+    } else {
+      event.odometry = read<nav_msgs::Odometry>(instance);
+      visit(event);
+    }
+    return true;
+  });
+  flush();
+}
+
+Trajectory BagReader::readPoses(const std::string& topic) const {
+  std::vector<StampedPose> poses;
+  visitMessages({topic}, [&](const rosbag::MessageInstance& instance) {
+    const auto message = read<nav_msgs::Odometry>(instance);
+    poses.push_back({toNanoseconds(message->header.stamp), toPose2(message->pose.pose)});
+    return true;
+  });
+  return inOrder(std::move(poses));
+}
+
+LaserMount BagReader::laserMount(const std::string& scan_topic,
+                                 const std::string& base_frame) const {
+  std::string laser_frame;
+  visitMessages({scan_topic}, [&](const rosbag::MessageInstance& instance) {
+    laser_frame = stripLeadingSlash(read<sensor_msgs::LaserScan>(instance)->header.frame_id);
+    return false;
+  });
+  const std::string base = stripLeadingSlash(base_frame);
+
+  tf2::BufferCore transforms;
+  visitMessages({"/tf_static"}, [&](const rosbag::MessageInstance& instance) {
+    insertTransforms(*read<tf2_msgs::TFMessage>(instance), true, &transforms);
+    return true;
+  });
+  const auto known = [&] { return transforms.canTransform(base, laser_frame, ros::Time(0)); };
+  bool found = known();
+  if (!found) {
+    visitMessages({"/tf"}, [&](const rosbag::MessageInstance& instance) {
+      insertTransforms(*read<tf2_msgs::TFMessage>(instance), false, &transforms);
+      found = known();
+      return !found;
+    });
+  }
+  if (!found) {
+    std::vector<std::string> frames;
+    transforms._getFrameStrings(frames);
+    std::string text;
+    for (const std::string& frame : std::set<std::string>(frames.begin(), frames.end())) {
+      text += (text.empty() ? "" : ", ") + frame;
+    }
+    throw BagError(names() + ": /tf_static and /tf do not tell where the lidar's frame '" +
+                   laser_frame + "' sits on '" + base +
+                   "'; --laser-pose says it; frames known: " + (text.empty() ? "none" : text));
+  }
+  return toLaserMount(transforms.lookupTransform(base, laser_frame, ros::Time(0)).transform);
+}
+
+}  // namespace racecar_mcl

@@ -1,0 +1,77 @@
+// Recorded bags as the replay sees them: scans, odometry and truth in the order in which they were
+// recorded, and where the lidar sat.
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <sensor_msgs/LaserScan.h>
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "evaluation/trajectory.h"
+#include "ros/conversions.h"
+
+namespace racecar_mcl {
+
+/// A bag that cannot be read or lacks what was asked for; says what it does hold.
+struct BagError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+inline Nanoseconds toNanoseconds(const ros::Time& time) {
+  return static_cast<Nanoseconds>(time.toNSec());
+}
+
+/// One recorded message: a scan or odometry.
+struct BagEvent {
+  ros::Time recorded;
+  sensor_msgs::LaserScan::ConstPtr scan;
+  nav_msgs::Odometry::ConstPtr odometry;
+};
+
+class BagReader {
+ public:
+  /// Throws BagError naming the bag that cannot be read.
+  explicit BagReader(const std::vector<std::string>& paths);
+
+  /// Throws BagError where no bag holds this topic with this type (as in sensor_msgs/LaserScan);
+  /// `option` is the command-line option that names another.
+  void requireTopic(const std::string& topic, const std::string& type,
+                    const std::string& option) const;
+  bool hasTopic(const std::string& topic, const std::string& type) const;
+
+  /// How many messages these topics hold.
+  std::size_t count(const std::vector<std::string>& topics) const;
+
+  /// Calls visit(event) in the order of record time over all bags; of messages recorded at the same
+  /// time odometry comes first, as a scan needs it. Throws BagError where a bag turns out broken.
+  void forEach(const std::string& scan_topic, const std::string& odometry_topic,
+               const std::function<void(const BagEvent&)>& visit) const;
+
+  /// The poses of an odometry topic, by header stamp.
+  Trajectory readPoses(const std::string& topic) const;
+
+  /// Where the lidar of the first scan sits, from /tf_static and the first messages of /tf that
+  /// tell. Throws BagError naming the frames that the bags do hold.
+  LaserMount laserMount(const std::string& scan_topic, const std::string& base_frame) const;
+
+ private:
+  struct NamedBag {
+    std::string path;
+    std::unique_ptr<rosbag::Bag> bag;
+  };
+
+  /// Calls visit(message) in the order of record time until it returns false.
+  void visitMessages(const std::vector<std::string>& topics,
+                     const std::function<bool(const rosbag::MessageInstance&)>& visit) const;
+  std::string contents() const;
+  std::string names() const;
+
+  std::vector<NamedBag> bags_;
+};
+
+}  // namespace racecar_mcl

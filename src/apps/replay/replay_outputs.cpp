@@ -1,0 +1,166 @@
+#include "replay_outputs.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+namespace racecar_mcl {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<double> updateTimes(const ReplayRecord& record) {
+  std::vector<double> times;
+  for (const ScanRow& row : record.scans) times.push_back(row.update_ms);
+  return times;
+}
+
+double realTimeFactor(const ReplayRecord& record) {
+  return record.duration / std::max(record.wall_seconds, 1e-9);
+}
+
+std::string outcomeWord(ScanOutcome outcome) {
+  switch (outcome) {
+    case ScanOutcome::kParked:
+      return "parked";
+    case ScanOutcome::kWeightsVanished:
+      return "weights_vanished";
+    default:
+      return "used";
+  }
+}
+
+std::string tum(const Trajectory& trajectory) {
+  std::ostringstream text;
+  writeTum(trajectory, text);
+  return text.str();
+}
+
+void writeFile(const fs::path& path, const std::string& content) {
+  std::ofstream file(path, std::ios::binary);
+  file << content;
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+/// A new empty folder beside a path, gone with its content when this goes.
+class SiblingFolder {
+ public:
+  explicit SiblingFolder(const fs::path& path) {
+    std::string name = path.string() + ".XXXXXX";
+    if (mkdtemp(name.data()) == nullptr) {
+      throw std::runtime_error(path.string() + ": no folder can be made beside it");
+    }
+    path_ = name;
+  }
+  ~SiblingFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  SiblingFolder(const SiblingFolder&) = delete;
+  SiblingFolder& operator=(const SiblingFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+}  // namespace
+
+std::string summaryJson(const ReplayRecord& record, const RunDescription& description,
+                        const std::optional<TrajectoryErrors>& errors) {
+  nlohmann::json json;
+  if (errors) {
+    const PositionErrorSummary position = summarizePosition(*errors);
+    const HeadingErrorSummary heading = summarizeHeading(*errors);
+    json["position_error_m"] = {{"mean", position.mean}, {"median", position.median},
+                                {"p95", position.p95},   {"max", position.max},
+                                {"rmse", position.rmse}, {"final", position.final}};
+    json["heading_error_deg"] = {
+        {"mean", heading.mean}, {"p95", heading.p95}, {"max", heading.max}};
+    json["truth_stamps_used"] = errors->stamps_used;
+    json["truth_stamps_skipped"] = errors->stamps_skipped;
+  }
+  const std::vector<double> times = updateTimes(record);
+  json["scans_seen"] = record.scans_seen;
+  json["scans_used"] = description.counters.scans_used;
+  json["odometry_seen"] = description.counters.odometry_seen;
+  json["duration_s"] = record.duration;
+  json["real_time_factor"] = realTimeFactor(record);
+  json["update_ms"] = {
+      {"mean", mean(times)}, {"p50", quantile(times, 0.5)}, {"p99", quantile(times, 0.99)}};
+  json["num_particles"] = description.parameters.filter.num_particles;
+  json["num_beams"] = description.parameters.num_beams_per_particle;
+  json["range_method"] = description.parameters.caster.range_method;
+  json["seed"] = description.seed;
+  json["version"] = description.version;
+  return json.dump(2) + "\n";
+}
+
+std::string summaryText(const ReplayRecord& record, const RunDescription& description,
+                        const std::optional<TrajectoryErrors>& errors) {
+  char line[320];
+  const std::vector<double> times = updateTimes(record);
+  std::snprintf(line, sizeof(line),
+                "%llu of %zu scans used over %.1f s, %.0f times real time, %.2f ms per update (p99 "
+                "%.2f)",
+                static_cast<unsigned long long>(description.counters.scans_used), record.scans_seen,
+                record.duration, realTimeFactor(record), mean(times), quantile(times, 0.99));
+  std::string text = line;
+  if (errors) {
+    const PositionErrorSummary position = summarizePosition(*errors);
+    const HeadingErrorSummary heading = summarizeHeading(*errors);
+    std::snprintf(line, sizeof(line),
+                  "\nposition error: rmse %.3f m, mean %.3f, p95 %.3f, max %.3f, final %.3f; "
+                  "heading error: mean %.2f deg, max %.2f (%d truth stamps, %d skipped)",
+                  position.rmse, position.mean, position.p95, position.max, position.final,
+                  heading.mean, heading.max, errors->stamps_used, errors->stamps_skipped);
+    text += line;
+  }
+  return text;
+}
+
+std::string updatesCsv(const ReplayRecord& record) {
+  std::string text =
+      "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,effective_sample_size,"
+      "beams,particles,log_likelihood,resampled,outcome,update_ms\n";
+  for (const ScanRow& row : record.scans) {
+    const UpdateResult& update = row.result.update;
+    const Pose2& pose = update.estimate.base_in_map;
+    const Eigen::Matrix3d& cov = update.estimate.covariance;
+    char line[512];
+    std::snprintf(line, sizeof(line),
+                  "%s,%.9f,%.9f,%.12f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.3f,%d,%d,%.9g,%d,"
+                  "%s,%.4f\n",
+                  formatStamp(row.stamp).c_str(), pose.x, pose.y, pose.yaw, cov(0, 0), cov(0, 1),
+                  cov(0, 2), cov(1, 1), cov(1, 2), cov(2, 2), update.effective_sample_size,
+                  update.beams, update.particles, update.log_likelihood, update.resampled ? 1 : 0,
+                  outcomeWord(row.result.outcome).c_str(), row.update_ms);
+    text += line;
+  }
+  return text;
+}
+
+void writeOutputs(const std::string& directory, const ReplayRecord& record,
+                  const std::string& summary_json) {
+  // Without a trailing slash, so that a sibling is one.
+  fs::path target = fs::absolute(directory).lexically_normal();
+  if (!target.has_filename()) target = target.parent_path();
+  fs::create_directories(target.parent_path());
+  const SiblingFolder draft(target);
+  writeFile(draft.path() / "trajectory.tum", tum(record.trajectory));
+  writeFile(draft.path() / "updates.csv", updatesCsv(record));
+  writeFile(draft.path() / "summary.json", summary_json);
+  fs::create_directory(target);
+  for (const char* name : {"trajectory.tum", "updates.csv", "summary.json"}) {
+    fs::rename(draft.path() / name, target / name);
+  }
+}
+
+}  // namespace racecar_mcl

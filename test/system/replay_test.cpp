@@ -1,0 +1,287 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "evaluation/trajectory.h"
+#include "support/program.h"
+#include "support/room_bag.h"
+
+namespace racecar_mcl {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// updates.csv without its last column, the time spent.
+std::string untimed(const std::string& csv) {
+  std::string text;
+  for (const std::string& line : linesOf(csv)) text += line.substr(0, line.rfind(',')) + "\n";
+  return text;
+}
+
+class Replay : public testing::Test {
+ protected:
+  Replay() {
+    folder_.write("room.pgm", roomPgm());
+    map_ = folder_.write("room.yaml", roomYaml());
+  }
+
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  std::string record(const std::string& name, const RoomDrive& drive = {}) const {
+    writeRoomBag(path(name), drive);
+    return path(name);
+  }
+
+  ProgramResult replay(Arguments arguments, const std::string& out = "out") const {
+    arguments.insert(arguments.end(), {"--map", map_, "--out", path(out)});
+    return runProgram(REPLAY_PROGRAM, arguments);
+  }
+
+  /// The summary of a replay that is expected to succeed.
+  nlohmann::json summaryOf(const Arguments& arguments, const std::string& out = "out") const {
+    const ProgramResult result = replay(arguments, out);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "") << "no progress bar where there is no terminal";
+    return nlohmann::json::parse(readWhole(path(out + "/summary.json")));
+  }
+
+  /// Expects one line of error that holds all of these words, and no output folder.
+  void expectError(const ProgramResult& result, const Arguments& words) const {
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.err.find("replay: error: "), 0u) << result.err;
+    EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+    for (const std::string& word : words) {
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << " in: " << result.err;
+    }
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
+      EXPECT_NE(entry.path().filename().string().substr(0, 3), "out") << entry.path();
+    }
+  }
+
+  TemporaryDirectory folder_;
+  std::string map_;
+};
+
+TEST_F(Replay, localizesAndSaysHowWell) {
+  const nlohmann::json all = summaryOf({"--bag", record("a.bag"), "--initial-pose-from-truth"});
+  EXPECT_LT(all["position_error_m"]["rmse"], 0.05);
+
+  std::vector<std::string> keys;
+  for (const auto& item : all.items()) keys.push_back(item.key());
+  const std::vector<std::string> expected{
+      "duration_s",        "heading_error_deg", "num_beams",    "num_particles",
+      "odometry_seen",     "position_error_m",  "range_method", "real_time_factor",
+      "scans_seen",        "scans_used",        "seed",         "truth_stamps_skipped",
+      "truth_stamps_used", "update_ms",         "version"};
+  EXPECT_EQ(keys, expected);
+  for (const char* key : {"mean", "median", "p95", "max", "rmse", "final"}) {
+    EXPECT_TRUE(all["position_error_m"][key].is_number()) << key;
+  }
+  EXPECT_EQ(all["position_error_m"].size(), 6u);
+  EXPECT_EQ(all["heading_error_deg"].size(), 3u);
+  EXPECT_EQ(all["update_ms"].size(), 3u);
+  EXPECT_EQ(all["scans_seen"], 41);
+  EXPECT_EQ(all["scans_used"], 41);
+  EXPECT_EQ(all["odometry_seen"], 201);
+  EXPECT_EQ(all["truth_stamps_used"], 201);
+  EXPECT_EQ(all["truth_stamps_skipped"], 0);
+  EXPECT_NEAR(all["duration_s"], 4.0, 1e-6);
+
+  const Trajectory trajectory = readTum(path("out/trajectory.tum"));
+  ASSERT_EQ(trajectory.size(), 201u) << "a row per distinct stamp of odometry and scans";
+  EXPECT_EQ(trajectory.front().stamp, 1500000000000000000);
+  const std::vector<std::string> updates = linesOf(readWhole(path("out/updates.csv")));
+  ASSERT_EQ(updates.size(), 42u);
+  EXPECT_EQ(updates[0],
+            "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,"
+            "effective_sample_size,beams,particles,log_likelihood,resampled,outcome,update_ms");
+  EXPECT_EQ(updates[1].substr(0, 21), "1500000000.000000000,");
+}
+
+TEST_F(Replay, withoutATruthTakesNoError) {
+  RoomDrive drive;
+  drive.truth = false;
+  const nlohmann::json summary =
+      summaryOf({"--bag", record("a.bag", drive), "--initial-pose", "0.8 1.0 0.1"});
+  EXPECT_FALSE(summary.contains("position_error_m"));
+  EXPECT_FALSE(summary.contains("truth_stamps_used"));
+  EXPECT_EQ(summary["scans_used"], 41);
+}
+
+TEST_F(Replay, repeatsItselfBitForBitAndFollowsTheSeed) {
+  Arguments arguments{"--bag", record("a.bag"), "--initial-pose", "0.8 1.0 0.1", "--seed", "7"};
+  summaryOf(arguments, "first");
+  summaryOf(arguments, "second");
+  arguments.back() = "8";
+  EXPECT_EQ(summaryOf(arguments, "other")["seed"], 8);
+  const std::string first = readWhole(path("first/trajectory.tum"));
+  EXPECT_EQ(first, readWhole(path("second/trajectory.tum")));
+  EXPECT_EQ(untimed(readWhole(path("first/updates.csv"))),
+            untimed(readWhole(path("second/updates.csv"))));
+  EXPECT_NE(first, readWhole(path("other/trajectory.tum")));
+}
+
+TEST_F(Replay, joinsBagsInTheOrderOfTheirTimes) {
+  RoomDrive early;
+  early.seconds = 2.0;
+  RoomDrive late;
+  late.begin = 2.02;
+  const std::string second = record("2.bag", late);
+  const std::string first = record("1.bag", early);
+  summaryOf({"--bag", second, "--bag", first, "--initial-pose-from-truth"}, "parts");
+  summaryOf({"--bag", record("a.bag"), "--initial-pose-from-truth"}, "whole");
+  EXPECT_EQ(readWhole(path("parts/trajectory.tum")), readWhole(path("whole/trajectory.tum")));
+}
+
+TEST_F(Replay, startsFromATruthThatBeginsMidDriveBetweenOdometryMessages) {
+  std::string truth;
+  for (int tick = 101; tick < 200; ++tick) {
+    const double seconds = tick / 50.0 + 0.007;
+    const Pose2 pose = poseInRoom(seconds);
+    char line[160];
+    std::snprintf(line, sizeof(line), "%.6f %.9f %.9f 0 0 0 %.9f %.9f\n", 1500000000.0 + seconds,
+                  pose.x, pose.y, std::sin(pose.yaw / 2), std::cos(pose.yaw / 2));
+    truth += line;
+  }
+  const nlohmann::json summary =
+      summaryOf({"--bag", record("a.bag"), "--truth", folder_.write("t.tum", truth),
+                 "--initial-pose-from-truth"});
+  EXPECT_LT(summary["position_error_m"]["max"], 0.15);
+  EXPECT_EQ(summary["scans_seen"], 41);
+  EXPECT_EQ(summary["scans_used"], 20) << "scans before the start are seen, not used";
+}
+
+TEST_F(Replay, readsFramesWithALeadingSlash) {
+  RoomDrive drive;
+  drive.frame_prefix = "/";
+  EXPECT_LT(summaryOf({"--bag", record("a.bag", drive),
+                       "--initial-pose-from-truth"})["position_error_m"]["rmse"],
+            0.05);
+}
+
+TEST_F(Replay, takesTheLidarsPoseFromTheCommandLineWhereTfDoesNotTell) {
+  RoomDrive drive;
+  drive.transforms = false;
+  Arguments arguments{"--bag", record("a.bag", drive), "--initial-pose-from-truth"};
+  expectError(replay(arguments), {"'laser'", "'base_link'", "--laser-pose"});
+  arguments.insert(arguments.end(), {"--laser-pose", "0.25 0 0"});
+  EXPECT_LT(summaryOf(arguments)["position_error_m"]["rmse"], 0.05);
+  arguments.back() = "-0.25 0 0";
+  EXPECT_GT(summaryOf(arguments)["position_error_m"]["rmse"], 0.3) << "a wrong mount must show";
+}
+
+TEST_F(Replay, findsItselfAnywhereOnTheMap) {
+  EXPECT_LT(summaryOf({"--bag", record("a.bag"), "--global"})["position_error_m"]["final"], 0.1);
+}
+
+TEST_F(Replay, takesParametersFromTheConfigThenFromSet) {
+  const std::string config =
+      folder_.write("c.yaml", "num_particles: 50\nnum_beams_per_particle: 40\n");
+  const nlohmann::json summary =
+      summaryOf({"--bag", record("a.bag"), "--initial-pose-from-truth", "--config", config, "--set",
+                 "num_particles:=60", "--set", "range_method:=bresenham", "--motion-from", "pose"});
+  EXPECT_EQ(summary["num_particles"], 60);
+  EXPECT_EQ(summary["num_beams"], 40);
+  EXPECT_EQ(summary["range_method"], "bresenham");
+  EXPECT_LT(summary["position_error_m"]["rmse"], 0.05);
+}
+
+TEST_F(Replay, replacesItsThreeFilesAndLeavesOthers) {
+  folder_.write("out/summary.json", "old");
+  folder_.write("out/notes.txt", "mine");
+  EXPECT_EQ(summaryOf({"--bag", record("a.bag"), "--initial-pose-from-truth"})["scans_used"], 41);
+  EXPECT_EQ(readWhole(path("out/notes.txt")), "mine");
+  std::size_t folders = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
+    folders += entry.is_directory() ? 1 : 0;
+  }
+  EXPECT_EQ(folders, 1u) << "nothing temporary is left";
+}
+
+TEST_F(Replay, skipsTruthStampsInGapsOfTheEstimate) {
+  const std::string truth = folder_.write("t.tum",
+                                          "1500000000.00 0.8 1.0 0 0 0 0.05 0.9987\n"
+                                          "1500000001.01 1.8 1.1 0 0 0 0.1 0.995\n");
+  const nlohmann::json summary = summaryOf({"--bag", record("a.bag"), "--initial-pose-from-truth",
+                                            "--truth", truth, "--max-gap", "0.001"});
+  EXPECT_EQ(summary["truth_stamps_used"], 1);
+  EXPECT_EQ(summary["truth_stamps_skipped"], 1);
+}
+
+TEST_F(Replay, namesAMissingTopicAndWhatTheBagHolds) {
+  const std::string bag = record("a.bag");
+  expectError(replay({"--bag", bag, "--odom-topic", "/odom"}),
+              {bag, "/odom", "--odom-topic", "/vesc/odom (nav_msgs/Odometry)",
+               "/scan (sensor_msgs/LaserScan)"});
+  expectError(replay({"--bag", bag, "--scan-topic", "/vesc/odom"}),
+              {"sensor_msgs/LaserScan", "--scan-topic"});
+}
+
+TEST_F(Replay, refusesBagsThatCannotBeRead) {
+  expectError(replay({"--bag", path("none.bag")}), {"none.bag"});
+  expectError(replay({"--bag", map_}), {"room.yaml"});
+  const std::string whole = readWhole(record("a.bag"));
+  expectError(replay({"--bag", folder_.write("cut.bag", whole.substr(0, whole.size() / 2))}),
+              {"cut.bag"});
+  std::string broken = whole;
+  std::fill(broken.begin() + 6000, broken.begin() + 60000, '\x7f');
+  const ProgramResult result = replay({"--bag", folder_.write("broken.bag", broken)});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("replay: error: " + path("broken.bag")), std::string::npos);
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(Replay, refusesMapsNoCarCanBeOn) {
+  const std::string bag = record("a.bag");
+  folder_.write("room.pgm", "P5 4 4 255\n" + std::string(16, '\0'));
+  expectError(replay({"--bag", bag}), {"no free cell"});
+  fs::remove(path("room.pgm"));
+  expectError(replay({"--bag", bag}), {"room.pgm"});
+  fs::remove(map_);
+  expectError(replay({"--bag", bag}), {"room.yaml"});
+}
+
+TEST_F(Replay, refusesParametersAndOptionsThatCannotBe) {
+  const std::string bag = record("a.bag");
+  const auto refuses = [&](Arguments arguments, const Arguments& words) {
+    arguments.insert(arguments.end(), {"--bag", bag});
+    expectError(replay(arguments), words);
+  };
+  refuses({"--set", "num_particels:=3"}, {"num_particels", "num_particles"});
+  refuses({"--set", "num_particles:=many"}, {"num_particles", "many"});
+  refuses({"--set", "num_particles:=0"}, {"num_particles is 0"});
+  refuses({"--set", "num_particles=3"}, {"name:=value"});
+  refuses({"--config", path("none.yaml")}, {"none.yaml"});
+  refuses({"--motion-from", "tf"}, {"motion_from", "twist"});
+  refuses({"--initial-pose", "1 2"}, {"--initial-pose", "x y yaw"});
+  refuses({"--initial-pose", "99 2 0"}, {"outside the map"});
+  refuses({"--truth", path("none.tum")}, {"none.tum"});
+  refuses({"--max-gap", "-1"}, {"--max-gap"});
+  refuses({"--global", "--initial-pose", "1 2 0"}, {"--global"});
+  refuses({"--particles", "3"}, {"--particles"});
+  expectError(replay({}), {"--bag"});
+}
+
+TEST_F(Replay, refusesATruthOfAnotherTime) {
+  const std::string bag = record("a.bag");
+  expectError(replay({"--bag", bag, "--initial-pose", "0.8 1 0", "--truth",
+                      folder_.write("t.tum", "5 0 0 0 0 0 0 1\n")}),
+              {"the truth covers"});
+  expectError(replay({"--bag", bag, "--initial-pose-from-truth", "--truth",
+                      folder_.write("t.tum", "2000000000 0 0 0 0 0 0 1\n")}),
+              {"before the localizer was started"});
+}
+
+}  // namespace
+}  // namespace racecar_mcl
