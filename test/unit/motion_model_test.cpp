@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <limits>
-#include <vector>
+#include <utility>
 
 #include "racecar_mcl/errors.h"
 #include "support/statistics.h"
@@ -33,6 +33,23 @@ Motion motionOf(const Twist2& twist, double seconds, double messages = 1.0) {
 MotionModelParameters noise(MotionNoise model) {
   MotionModelParameters parameters;
   parameters.motion_model = model;
+  return parameters;
+}
+
+/// Ackermann noise without the errors that last from scan to scan.
+MotionModelParameters independentNoise() {
+  MotionModelParameters parameters = noise(MotionNoise::kAckermann);
+  parameters.scale_error = parameters.curvature_error = parameters.turn_scale_error = 0.0;
+  return parameters;
+}
+
+/// No noise at all but what a test switches on.
+MotionModelParameters quiet() {
+  MotionModelParameters parameters = independentNoise();
+  parameters.along_per_metre = parameters.across_per_metre = 0.0;
+  parameters.yaw_per_metre = parameters.yaw_per_radian = 0.0;
+  parameters.position_per_second = parameters.yaw_per_second = 0.0;
+  parameters.slip_per_acceleration = 0.0;
   return parameters;
 }
 
@@ -199,8 +216,7 @@ TEST(AckermannNoise, DoesNotDependOnHowOftenMessagesCome) {
     ParticleSet particles = setAt({}, kMany);
     Random random(16);
     for (int i = 0; i < steps[run]; ++i) {
-      moveParticles(noise(MotionNoise::kAckermann), motionOf(twist, 1.0 / steps[run]), random,
-                    &particles);
+      moveParticles(independentNoise(), motionOf(twist, 1.0 / steps[run]), random, &particles);
     }
     covariances[run] = momentsOf(particles).covariance;
   }
@@ -212,10 +228,7 @@ TEST(AckermannNoise, DoesNotDependOnHowOftenMessagesCome) {
 
 TEST(AckermannNoise, AWanderingHeadingBendsThePath) {
   // Only the heading walks, sigma^2 = 0.01 a metre; after L = 3 m: yaw L, y L^3/3, both L^2/2.
-  MotionModelParameters parameters = noise(MotionNoise::kAckermann);
-  parameters.along_per_metre = parameters.across_per_metre = parameters.yaw_per_radian = 0.0;
-  parameters.position_per_second = parameters.yaw_per_second = 0.0;
-  parameters.slip_per_acceleration = 0.0;
+  MotionModelParameters parameters = quiet();
   parameters.yaw_per_metre = 0.1;
   const Eigen::Matrix3d at_once = motionCovariance(parameters, motionOf({3.0, 0.0, 0.0}, 1.0));
   EXPECT_NEAR(at_once(2, 2), 0.01 * 3.0, 1e-12);
@@ -245,16 +258,40 @@ TEST(AckermannNoise, AWanderingHeadingBendsTheOtherWayInReverse) {
 }
 
 TEST(AckermannNoise, SlipsInFastCurves) {
-  const MotionModelParameters parameters = noise(MotionNoise::kAckermann);
-  const auto along = [&](const Twist2& twist) {
-    return motionCovariance(parameters, motionOf(twist, 1.0 / twist.vx))(0, 0);
-  };
-  MotionModelParameters without = parameters;
-  without.slip_per_acceleration = 0.0;
+  MotionModelParameters parameters = quiet();
+  parameters.slip_per_acceleration = 0.02;
   // A metre at 5 m/s and 2 rad/s: 10 m/s^2 sideways.
-  const double slip =
-      along({5.0, 0.0, 2.0}) - motionCovariance(without, motionOf({5.0, 0.0, 2.0}, 0.2))(0, 0);
-  EXPECT_NEAR(slip, std::pow(parameters.slip_per_acceleration * 10.0, 2), 1e-12);
+  const Eigen::Matrix3d fast = motionCovariance(parameters, motionOf({5.0, 0.0, 2.0}, 0.2));
+  EXPECT_NEAR(fast(0, 0), 0.2 * 0.2, 1e-12);
+  EXPECT_NEAR(fast(1, 1), 0.2 * 0.2, 1e-12);
+  EXPECT_TRUE(motionCovariance(parameters, motionOf({5.0, 0.0, 0.0}, 0.2)).isZero(1e-12));
+}
+
+TEST(AckermannNoise, ALastingErrorGrowsWithTheDistanceNotItsRoot) {
+  MotionModelParameters parameters = quiet();
+  parameters.scale_error = 0.02;
+  EXPECT_NEAR(motionCovariance(parameters, motionOf({3.0, 0.0, 0.0}, 1.0))(0, 0), 0.06 * 0.06,
+              1e-12);
+  EXPECT_NEAR(motionCovariance(parameters, motionOf({-3.0, 0.0, 0.0}, 2.0))(0, 0), 0.12 * 0.12,
+              1e-12);
+  parameters = quiet();
+  parameters.turn_scale_error = 0.1;
+  EXPECT_NEAR(motionCovariance(parameters, motionOf({0.0, 0.0, 2.0}, 1.0))(2, 2), 0.2 * 0.2, 1e-12);
+}
+
+TEST(AckermannNoise, AnUnseenBendIsAnArc) {
+  MotionModelParameters parameters = quiet();
+  parameters.curvature_error = 0.02;
+  const Eigen::Matrix3d predicted = motionCovariance(parameters, motionOf({2.0, 0.0, 0.0}, 1.0));
+  Random random(19);
+  ParticleSet particles = setAt({}, kMany);
+  for (Eigen::Index i = 0; i < kMany; ++i) {
+    particles.setPose(i, integrate({2.0, 0.0, 2.0 * 0.02 * random.gaussian()}, 1.0));
+  }
+  const Eigen::Matrix3d sampled = momentsOf(particles).covariance;
+  for (const auto& [row, column] : {std::pair{1, 1}, std::pair{1, 2}, std::pair{2, 2}}) {
+    EXPECT_NEAR(predicted(row, column) / sampled(row, column), 1.0, 0.05);
+  }
 }
 
 /// Probabilistic Robotics, table 5.6, sampled the long way.
@@ -322,7 +359,9 @@ TEST(MotionModelParameters, RefuseNoiseThatCannotBe) {
       &MotionModelParameters::drive_per_turn,     &MotionModelParameters::along_per_metre,
       &MotionModelParameters::across_per_metre,   &MotionModelParameters::yaw_per_metre,
       &MotionModelParameters::yaw_per_radian,     &MotionModelParameters::position_per_second,
-      &MotionModelParameters::yaw_per_second,     &MotionModelParameters::slip_per_acceleration};
+      &MotionModelParameters::yaw_per_second,     &MotionModelParameters::slip_per_acceleration,
+      &MotionModelParameters::scale_error,        &MotionModelParameters::curvature_error,
+      &MotionModelParameters::turn_scale_error};
   EXPECT_NO_THROW(validate(MotionModelParameters{}));
   for (const auto sigma : sigmas) {
     for (const double bad : {-0.01, std::numeric_limits<double>::quiet_NaN(),
