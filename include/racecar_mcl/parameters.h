@@ -19,7 +19,7 @@ void setParameter(const std::string& name, const std::string& text,
                   LocalizerParameters* parameters);
 
 /// Sets parameters from a YAML file, a flat mapping of names to values. Throws ParameterError
-/// naming the file and the line.
+/// naming the file and the line; the parameters then stay as they were.
 void readParameterFile(const std::string& path, LocalizerParameters* parameters);
 
 }  // namespace racecar_mcl

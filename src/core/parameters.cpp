@@ -3,8 +3,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <sstream>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -214,6 +216,10 @@ void setParameter(const std::string& name, const std::string& text,
 }
 
 void readParameterFile(const std::string& path, LocalizerParameters* parameters) {
+  // A folder opens like a file and reads like an empty one.
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw ParameterError(path + ": expected a file");
   YAML::Node file;
   try {
     file = YAML::LoadFile(path);
@@ -224,14 +230,16 @@ void readParameterFile(const std::string& path, LocalizerParameters* parameters)
   }
   if (file.IsNull()) return;
   if (!file.IsMap()) throw ParameterError(path + ": expected a mapping of names to values");
+  LocalizerParameters read = *parameters;
   for (const auto& entry : file) {
     try {
-      setFromNode(entry.first.as<std::string>(), entry.second, parameters);
+      setFromNode(entry.first.as<std::string>(), entry.second, &read);
     } catch (const std::exception& error) {
       throw ParameterError(path + ", line " + std::to_string(entry.first.Mark().line + 1) + ": " +
                            error.what());
     }
   }
+  *parameters = read;
 }
 
 }  // namespace racecar_mcl

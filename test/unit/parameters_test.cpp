@@ -1,0 +1,278 @@
+#include "racecar_mcl/parameters.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "racecar_mcl/errors.h"
+#include "support/temporary_directory.h"
+
+namespace racecar_mcl {
+namespace {
+
+using Texts = std::map<std::string, std::string>;
+
+std::string sourceFile(const std::string& path) {
+  return std::string(RACECAR_MCL_SOURCE_DIR) + "/" + path;
+}
+
+std::string contentOf(const std::string& path) {
+  std::ifstream file(path);
+  EXPECT_TRUE(file) << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// `name: value  # comment` lines as they are written.
+Texts flatYaml(const std::string& path) {
+  Texts texts;
+  std::istringstream lines(contentOf(path));
+  const std::regex line_form(R"(^(\w+): +(\S+)( *#.*)?$)");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::smatch parts;
+    EXPECT_TRUE(std::regex_match(line, parts, line_form)) << line;
+    EXPECT_TRUE(texts.emplace(parts[1], parts[2]).second) << parts[1] << " is there twice";
+  }
+  return texts;
+}
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no ParameterError was thrown";
+  return {};
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(DefaultConfiguration, RepeatsTheDefaultsNameForNameAndValueForValue) {
+  const Texts in_file = flatYaml(sourceFile("config/default.yaml"));
+  const Texts in_code = parameterTexts(LocalizerParameters{});
+  for (const auto& [name, value] : in_code) {
+    const auto found = in_file.find(name);
+    EXPECT_EQ(found == in_file.end() ? "missing" : found->second, value)
+        << "config/default.yaml should say '" << name << ": " << value << "'";
+  }
+  for (const auto& [name, value] : in_file) {
+    EXPECT_EQ(in_code.count(name), 1u) << "config/default.yaml names an unknown '" << name << "'";
+  }
+}
+
+TEST(DefaultConfiguration, CanBeRead) {
+  LocalizerParameters parameters;
+  parameters.filter.num_particles = 5;
+  parameters.deskew = !parameters.deskew;
+  readParameterFile(sourceFile("config/default.yaml"), &parameters);
+  EXPECT_EQ(parameterTexts(parameters), parameterTexts(LocalizerParameters{}));
+}
+
+TEST(DefaultConfiguration, IsValid) { EXPECT_NO_THROW(validate(LocalizerParameters{})); }
+
+TEST(ReportConfiguration, HoldsTheReportsConstants) {
+  LocalizerParameters p;
+  readParameterFile(sourceFile("config/report.yaml"), &p);
+  EXPECT_NO_THROW(validate(p));
+  EXPECT_EQ(p.filter.num_particles, 200);
+  EXPECT_EQ(p.filter.initial_sigma, 0.5);
+  EXPECT_EQ(p.filter.resample_threshold, 1.0);
+  EXPECT_EQ(p.filter.estimate, EstimateFrom::kMean);
+  EXPECT_EQ(p.filter.settling_updates, 0);
+  EXPECT_EQ(p.motion.motion_model, MotionNoise::kConstant);
+  EXPECT_FALSE(p.motion.deterministic);
+  EXPECT_EQ(p.motion.constant_x_sigma, 0.04);
+  EXPECT_EQ(p.motion.constant_y_sigma, 0.04);
+  EXPECT_EQ(p.motion.constant_yaw_sigma, 0.03);
+  EXPECT_EQ(p.num_beams_per_particle, 100);
+  EXPECT_EQ(p.scan_field_of_view, 4.71);
+  EXPECT_FALSE(p.deskew);
+  EXPECT_EQ(p.sensor.sensor_model, SensorModel::kBeam);
+  EXPECT_EQ(p.sensor.beam.table.alpha_hit, 0.74);
+  EXPECT_EQ(p.sensor.beam.table.alpha_short, 0.07);
+  EXPECT_EQ(p.sensor.beam.table.alpha_max, 0.07);
+  EXPECT_EQ(p.sensor.beam.table.alpha_rand, 0.12);
+  EXPECT_EQ(p.sensor.beam.table.sigma_hit, 8.0);
+  EXPECT_EQ(p.sensor.beam.table.table_width, 201);
+  EXPECT_EQ(p.sensor.beam.lidar_scale_to_map_scale, 1.0);
+  EXPECT_EQ(p.sensor.beam.pixels_per_cell, 1.0);
+  EXPECT_EQ(p.sensor.beam.squash_factor, 2.2);
+  EXPECT_EQ(p.odometry.motion_from, MotionFrom::kTwist);
+}
+
+/// The rows of the tables in docs/parameters.md: | `name` | `default` | ...
+Texts documentedDefaults() {
+  Texts texts;
+  std::istringstream lines(contentOf(sourceFile("docs/parameters.md")));
+  const std::regex row(R"(^\| `(\w+)` \| `([^`]*)` \|.*$)");
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch parts;
+    if (!std::regex_match(line, parts, row)) continue;
+    EXPECT_TRUE(texts.emplace(parts[1], parts[2]).second) << parts[1] << " is there twice";
+    EXPECT_EQ(std::count(line.begin(), line.end(), '|'), 7) << line;
+  }
+  return texts;
+}
+
+TEST(ParameterPage, GivesEveryParameterWithItsDefault) {
+  const Texts documented = documentedDefaults();
+  for (const auto& [name, value] : parameterTexts(LocalizerParameters{})) {
+    const auto found = documented.find(name);
+    EXPECT_EQ(found == documented.end() ? "missing" : found->second, value)
+        << "docs/parameters.md should hold '| `" << name << "` | `" << value << "` | ...'";
+  }
+}
+
+TEST(ParameterPage, GivesEveryParameterOfTheNodeAndNoOthers) {
+  const std::string source = contentOf(sourceFile("src/ros/node_parameters.cpp"));
+  const std::regex comparison(R"rx(name == "(\w+)")rx");
+  Texts known = parameterTexts(LocalizerParameters{});
+  const Texts documented = documentedDefaults();
+  for (auto match = std::sregex_iterator(source.begin(), source.end(), comparison);
+       match != std::sregex_iterator(); ++match) {
+    const std::string name = (*match)[1];
+    EXPECT_EQ(documented.count(name), 1u) << "docs/parameters.md does not name '" << name << "'";
+    known[name] = "";
+  }
+  for (const auto& [name, value] : documented) {
+    EXPECT_EQ(known.count(name), 1u) << "docs/parameters.md names an unknown '" << name << "'";
+  }
+}
+
+TEST(Parameters, EveryOneCanBeSetFromItsOwnText) {
+  const LocalizerParameters defaults;
+  for (const auto& [name, value] : parameterTexts(defaults)) {
+    LocalizerParameters parameters;
+    EXPECT_NO_THROW(setParameter(name, value, &parameters)) << name;
+    EXPECT_EQ(parameterTexts(parameters), parameterTexts(defaults)) << name;
+  }
+}
+
+TEST(Parameters, EveryOneChangesOnlyItself) {
+  for (const auto& [name, value] : parameterTexts(LocalizerParameters{})) {
+    Texts expected = parameterTexts(LocalizerParameters{});
+    bool changed = false;
+    for (const char* other : {"0.625", "77", "true", "false", "best", "constant", "multinomial",
+                              "occupied", "pose", "likelihood_field", "bresenham"}) {
+      LocalizerParameters parameters;
+      try {
+        setParameter(name, other, &parameters);
+      } catch (const ParameterError&) {
+        continue;
+      }
+      const Texts texts = parameterTexts(parameters);
+      if (texts.at(name) == value) continue;
+      changed = true;
+      expected[name] = other;
+      EXPECT_EQ(texts, expected);
+    }
+    EXPECT_TRUE(changed) << name;
+  }
+}
+
+TEST(Parameters, AnUnknownNameSuggestsTheNearest) {
+  LocalizerParameters parameters;
+  const auto messageFor = [&](const std::string& name) {
+    return messageOf([&] { setParameter(name, "1", &parameters); });
+  };
+  EXPECT_TRUE(holds(messageFor("num_particle"), "'num_particles'"));
+  EXPECT_TRUE(holds(messageFor("alfa_hit"), "'alpha_hit'"));
+  EXPECT_TRUE(holds(messageFor("Sigma_Hit"), "'sigma_hit'"));
+  EXPECT_TRUE(holds(messageFor("alfa_hit"), "'alfa_hit'"));
+}
+
+TEST(Parameters, AnIllTypedTextIsRefusedWithWhatWasExpected) {
+  const struct {
+    const char* name;
+    const char* text;
+    const char* expected;
+  } bad[] = {{"num_particles", "many", "whole number"},
+             {"num_particles", "200.5", "whole number"},
+             {"num_particles", "", "whole number"},
+             {"num_particles", "99999999999", "whole number"},
+             {"sigma_hit", "8,0", "a number"},
+             {"sigma_hit", "8 px", "a number"},
+             {"deskew", "maybe", "true or false"},
+             {"deskew", "1", "true or false"},
+             {"motion_model", "tank", "constant differential ackermann"},
+             {"estimate", "Mean", "mean best cluster"},
+             {"unknown_is", "true", "free occupied"}};
+  for (const auto& [name, text, expected] : bad) {
+    LocalizerParameters parameters;
+    const std::string message =
+        messageOf([&, n = name, t = text] { setParameter(n, t, &parameters); });
+    EXPECT_TRUE(holds(message, name)) << message;
+    EXPECT_TRUE(holds(message, text)) << message;
+    EXPECT_TRUE(holds(message, expected)) << message;
+    EXPECT_EQ(parameterTexts(parameters), parameterTexts(LocalizerParameters{}));
+  }
+}
+
+TEST(ParameterFile, SetsWhatItNames) {
+  const TemporaryDirectory directory;
+  LocalizerParameters parameters;
+  readParameterFile(directory.write("a.yaml",
+                                    "# a comment\nnum_particles: 321\n"
+                                    "motion_model: constant   # another\n"
+                                    "sigma_hit: 1.5e-1\ndeskew: no\n"),
+                    &parameters);
+  EXPECT_EQ(parameters.filter.num_particles, 321);
+  EXPECT_EQ(parameters.motion.motion_model, MotionNoise::kConstant);
+  EXPECT_EQ(parameters.sensor.beam.table.sigma_hit, 0.15);
+  EXPECT_FALSE(parameters.deskew);
+}
+
+TEST(ParameterFile, AnEmptyOneSetsNothing) {
+  const TemporaryDirectory directory;
+  LocalizerParameters parameters;
+  readParameterFile(directory.write("a.yaml", "# nothing but a comment\n"), &parameters);
+  EXPECT_EQ(parameterTexts(parameters), parameterTexts(LocalizerParameters{}));
+}
+
+TEST(ParameterFile, ABadOneIsNamedWithItsLineAndChangesNothing) {
+  const TemporaryDirectory directory;
+  const struct {
+    const char* content;
+    const char* said;
+  } bad[] = {{"num_particles: 50\nnum_partikles: 5\n", "line 2"},
+             {"num_particles: 50\n\n\nsigma_hit: wide\n", "line 4"},
+             {"num_particles: 50\nsigma_hit: [1, 2]\n", "line 2"},
+             {"num_particles: 50\nsigma_hit: {a: 1}\n", "line 2"},
+             {"num_particles: 50\nsigma_hit:\n", "line 2"},
+             {"num_particles: 50\n[1, 2]: 3\n", "line 2"},
+             {"- num_particles\n- sigma_hit\n", "mapping"},
+             {"num_particles\n", "mapping"},
+             {"num_particles: [50\n", "not YAML"},
+             {"a: b: c\n", "not YAML"}};
+  for (const auto& [content, said] : bad) {
+    const std::string path = directory.write("bad.yaml", content);
+    LocalizerParameters parameters;
+    const std::string message = messageOf([&] { readParameterFile(path, &parameters); });
+    EXPECT_TRUE(holds(message, path)) << message;
+    EXPECT_TRUE(holds(message, said)) << message;
+    EXPECT_EQ(parameterTexts(parameters), parameterTexts(LocalizerParameters{}));
+  }
+}
+
+TEST(ParameterFile, OneThatIsNotThereIsNamed) {
+  const TemporaryDirectory directory;
+  LocalizerParameters parameters;
+  const std::string missing = (directory.path() / "missing.yaml").string();
+  EXPECT_TRUE(holds(messageOf([&] { readParameterFile(missing, &parameters); }), missing));
+  const std::string folder = directory.path().string();
+  EXPECT_TRUE(holds(messageOf([&] { readParameterFile(folder, &parameters); }), folder));
+}
+
+}  // namespace
+}  // namespace racecar_mcl
