@@ -97,7 +97,7 @@ std::string summaryJson(const ReplayRecord& record, const RunDescription& descri
       {"mean", mean(times)}, {"p50", quantile(times, 0.5)}, {"p99", quantile(times, 0.99)}};
   json["num_particles"] = description.parameters.filter.num_particles;
   json["num_beams"] = description.parameters.num_beams_per_particle;
-  json["range_method"] = description.parameters.caster.range_method;
+  json["range_method"] = description.parameters.sensor.caster.range_method;
   json["seed"] = description.seed;
   json["version"] = description.version;
   return json.dump(2) + "\n";
