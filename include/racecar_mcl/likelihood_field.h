@@ -15,18 +15,23 @@ struct LikelihoodFieldParameters {
   double field_sigma = 0.1;       ///< m, distance from an obstacle at which a beam counts half
   double field_rand = 0.025;      ///< share of beams that end anywhere, in (0, 1)
   double field_max_range = 30.0;  ///< m, longer beams and those without a return are not weighed
-  double field_squash =
-      6.0;  ///< a particle's weight is the product of its beams to the power 1 / this
+  double field_squash = 6.0;      ///< a particle's weight is the product of its beams to the power
+                                  ///< 1 / this
+  double field_inside = 0.5;  ///< what a metre behind a wall's surface counts against one in front
+                              ///< of it, in [0, 1]: 1 where maps draw walls sharply, 0 where they
+                              ///< smear them
 };
 
 /// Throws ParameterError on a value out of range.
 void validate(const LikelihoodFieldParameters& parameters);
 
-/// The log-likelihood of a beam that ends at a distance d from the nearest obstacle,
+/// The log-likelihood of a beam that ends at a distance d from the nearest surface,
 ///
-///   log((1 - field_rand) / (1 + (d / field_sigma)^2) + field_rand),
+///   log((1 - field_rand) / (1 + (d / field_sigma)^2) + field_rand).
 ///
-/// stored per cell and interpolated between cell centres, so that the result does not jump from
+/// Surfaces are the obstacle cells that touch free space, for those alone a lidar sees; inside an
+/// obstacle d counts field_inside of its length, as maps tend to draw walls too thick. The values
+/// are stored per cell and interpolated between cell centres, so that the result does not jump from
 /// cell to cell. The tails are a Cauchy's, not a Gaussian's: maps are wrong by more than their
 /// lidar's noise. A beam that ends outside the map, by more than four field_sigma, counts as
 /// field_rand.

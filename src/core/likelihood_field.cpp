@@ -14,20 +14,52 @@ namespace {
 constexpr double kMarginSigmas = 4.0;
 constexpr double kWidestMargin = 200.0;  // cells
 
-/// The obstacles of a grid with a margin of free cells around it.
-std::vector<std::uint8_t> paddedObstacles(const OccupancyGrid& grid, int margin) {
+/// A grid's obstacles with a margin of free cells around it, row by row.
+struct Obstacles {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> all;
+  std::vector<std::uint8_t> surfaces;  ///< those that touch a free cell, across a corner too
+};
+
+bool touchesFreeSpace(const OccupancyGrid& grid, int column, int row) {
+  for (int up = -1; up <= 1; ++up) {
+    for (int across = -1; across <= 1; ++across) {
+      if (grid.isFree({column + across, row + up})) return true;
+    }
+  }
+  return false;
+}
+
+Obstacles findObstacles(const OccupancyGrid& grid, int margin) {
   const GridGeometry& geometry = grid.geometry();
+  Obstacles obstacles;
+  obstacles.width = geometry.width + 2 * margin;
+  obstacles.height = geometry.height + 2 * margin;
+  const auto size =
+      static_cast<std::size_t>(obstacles.width) * static_cast<std::size_t>(obstacles.height);
+  obstacles.all.assign(size, 0);
+  obstacles.surfaces.assign(size, 0);
   // A beam that ends in unknown space has met something the map does not know, whatever rays do
   // there.
   const std::vector<std::uint8_t> mask = obstacleMask(grid, UnknownIs::kFree);
-  const auto stride = static_cast<std::ptrdiff_t>(geometry.width + 2 * margin);
-  std::vector<std::uint8_t> padded(
-      static_cast<std::size_t>(stride * (geometry.height + 2 * margin)), 0);
+  bool any_surface = false;
   for (int row = 0; row < geometry.height; ++row) {
-    const auto from = mask.begin() + static_cast<std::ptrdiff_t>(row) * geometry.width;
-    std::copy(from, from + geometry.width, padded.begin() + (row + margin) * stride + margin);
+    for (int column = 0; column < geometry.width; ++column) {
+      const auto in_map = static_cast<std::size_t>(row) * static_cast<std::size_t>(geometry.width) +
+                          static_cast<std::size_t>(column);
+      if (mask[in_map] == 0) continue;
+      const auto i =
+          static_cast<std::size_t>(row + margin) * static_cast<std::size_t>(obstacles.width) +
+          static_cast<std::size_t>(column + margin);
+      obstacles.all[i] = 1;
+      obstacles.surfaces[i] = touchesFreeSpace(grid, column, row) ? 1 : 0;
+      any_surface |= obstacles.surfaces[i] != 0;
+    }
   }
-  return padded;
+  // Walls drawn within the unknown show no surface; then each of their cells stands for one.
+  if (!any_surface) obstacles.surfaces = obstacles.all;
+  return obstacles;
 }
 
 }  // namespace
@@ -42,6 +74,8 @@ void validate(const LikelihoodFieldParameters& p) {
     problem << "field_max_range is " << p.field_max_range << " m; it must lie in (0, 10000]";
   } else if (!(p.field_squash >= 1e-3 && p.field_squash <= 1e3)) {
     problem << "field_squash is " << p.field_squash << "; it must lie in [0.001, 1000]";
+  } else if (!(p.field_inside >= 0.0 && p.field_inside <= 1.0)) {
+    problem << "field_inside is " << p.field_inside << "; it must lie in [0, 1]";
   }
   if (!problem.str().empty()) throw ParameterError(problem.str());
 }
@@ -58,12 +92,14 @@ LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
       static_cast<int>(std::ceil(std::min(kMarginSigmas * cells_per_sigma, kWidestMargin)));
   const double shift = -margin * geometry_.resolution;
   geometry_.origin = compose(geometry_.origin, {shift, shift, 0.0});
-  geometry_.width += 2 * margin;
-  geometry_.height += 2 * margin;
-  log_field_ = obstacleDistances(paddedObstacles(grid, margin), geometry_.width, geometry_.height);
-  for (float& value : log_field_) {
-    const double d = static_cast<double>(value) / cells_per_sigma;
-    value = static_cast<float>(
+  const Obstacles obstacles = findObstacles(grid, margin);
+  geometry_.width = obstacles.width;
+  geometry_.height = obstacles.height;
+  log_field_ = obstacleDistances(obstacles.surfaces, geometry_.width, geometry_.height);
+  for (std::size_t i = 0; i < log_field_.size(); ++i) {
+    const double share = obstacles.all[i] != 0 ? parameters.field_inside : 1.0;
+    const double d = share * static_cast<double>(log_field_[i]) / cells_per_sigma;
+    log_field_[i] = static_cast<float>(
         std::log((1.0 - parameters.field_rand) / (1.0 + d * d) + parameters.field_rand));
   }
 }

@@ -85,6 +85,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("field_rand", p.sensor.field.field_rand);
   visit("field_max_range", p.sensor.field.field_max_range);
   visit("field_squash", p.sensor.field.field_squash);
+  visit("field_inside", p.sensor.field.field_inside);
 
   visit("alpha_hit", p.sensor.beam.table.alpha_hit);
   visit("alpha_short", p.sensor.beam.table.alpha_short);

@@ -52,6 +52,25 @@ TEST(LikelihoodField, WeighsTheDistanceOfTheEndFromTheWall) {
   }
 }
 
+TEST(LikelihoodField, MeasuresFromTheSurfaceOfAThickWall) {
+  // The surface's cells have their centres at x = 0.65; a lidar sees none of those behind it.
+  const OccupancyGrid grid = asciiMap(R"(
+    ......####
+    ......####
+    ......####
+    ......####)",
+                                      0.1);
+  LikelihoodFieldParameters p = plain();
+  const Pose2 lidar{0.05, 0.15, 0.0};
+  for (const double inside : {0.0, 0.5, 1.0}) {
+    p.field_inside = inside;
+    const LikelihoodField field(grid, p);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.4f)), formula(p, 0.2), 1e-5);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.6f)), formula(p, 0.0), 1e-5);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.8f)), formula(p, 0.2 * inside), 1e-5);
+  }
+}
+
 TEST(LikelihoodField, GoesOnBehindAWallAtTheMapsEdge) {
   const LikelihoodField field(asciiMap(kWallOnTheRight, 0.1), plain());
   const Pose2 lidar{0.05, 0.25, 0.0};
