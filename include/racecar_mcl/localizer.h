@@ -20,9 +20,9 @@ struct LocalizerParameters {
   SensorParameters sensor;
   OdometryParameters odometry;
   int num_beams_per_particle = 100;
-  double scan_field_of_view = 4.71;  ///< rad, beams outside are not used
-  int min_beams = 10;                ///< a scan with fewer valid beams is not used
-  bool deskew = true;                ///< correct for the car's motion during the sweep
+  double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
+  int min_beams = 10;                  ///< a scan with fewer valid beams is not used
+  bool deskew = true;                  ///< correct for the car's motion during the sweep
   int parked_updates =
       40;  ///< scans weighed after the car has stopped; more of the same view is no news
 };

@@ -40,7 +40,7 @@ enum class SensorModel {
 };
 
 struct SensorParameters {
-  SensorModel sensor_model = SensorModel::kBeam;
+  SensorModel sensor_model = SensorModel::kLikelihoodField;
   RangeCasterParameters caster{"distance_transform", 0.0, UnknownIs::kFree};
   BeamModelParameters beam;
   LikelihoodFieldParameters field;
