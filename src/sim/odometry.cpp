@@ -1,0 +1,72 @@
+#include "sim/odometry.h"
+
+#include "sim/check.h"
+
+namespace racecar_mcl::sim {
+
+void OdometryParameters::validate() const {
+  require(rate > 0.0 && rate <= 1000.0, "odometry rate (Hz)", rate, "above 0 and at most 1000");
+  requireNotNegative("odometry noise vx (m/s)", noise.vx);
+  requireNotNegative("odometry noise vy (m/s)", noise.vy);
+  requireNotNegative("odometry noise wz (rad/s)", noise.wz);
+  require(std::isfinite(speed_scale_error) && speed_scale_error > -1.0, "speed_scale_error",
+          speed_scale_error, "above -1 and finite");
+  require(std::isfinite(turn_scale_error) && turn_scale_error > -1.0, "turn_scale_error",
+          turn_scale_error, "above -1 and finite");
+  requireFinite("speed_bias (m/s)", speed_bias);
+  requireFinite("turn_bias (rad/s)", turn_bias);
+  requireShare("slip", slip);
+  requireNotNegative("slip_rate (1/s)", slip_rate);
+  requirePositive("slip_duration (s)", slip_duration);
+  requireShare("odometry dropout_rate", dropout_rate);
+}
+
+WheelOdometry::WheelOdometry(const OdometryParameters& parameters, std::uint64_t seed, double start)
+    : parameters_(parameters),
+      random_(seed),
+      slip_random_(random_()),
+      messages_(parameters.rate, start),
+      slip_until_(start) {}
+
+std::optional<OdometrySample> WheelOdometry::measure(const Arc& arc) {
+  if (messages_.next() >= arc.end) return std::nullopt;
+  OdometrySample sample;
+  sample.stamp = messages_.next();
+  messages_.setRate(parameters_.rate);
+  messages_.advance();
+
+  const double slip = nextSlipFactor(sample.stamp);
+  const OdometryParameters& p = parameters_;
+  // All numbers are drawn for every message, so that a parameter changes its own effect and no
+  // other.
+  sample.twist.vx = slip * (1.0 + p.speed_scale_error) * arc.twist.vx + p.speed_bias +
+                    p.noise.vx * random_.gaussian();
+  sample.twist.vy = arc.twist.vy + p.noise.vy * random_.gaussian();
+  sample.twist.wz = slip * (1.0 + p.turn_scale_error) * arc.twist.wz + p.turn_bias +
+                    p.noise.wz * random_.gaussian();
+  const bool lost = random_.uniform() < p.dropout_rate;
+
+  if (last_) {
+    const Twist2 mean{(last_->twist.vx + sample.twist.vx) / 2.0,
+                      (last_->twist.vy + sample.twist.vy) / 2.0,
+                      (last_->twist.wz + sample.twist.wz) / 2.0};
+    sample.base_in_odom =
+        compose(last_->base_in_odom, integrate(mean, sample.stamp - last_->stamp));
+  }
+  last_ = sample;
+  return lost ? std::nullopt : last_;
+}
+
+double WheelOdometry::nextSlipFactor(double time) {
+  const double chance = slip_random_.uniform();
+  const double duration = parameters_.slip_duration * slip_random_.uniform(0.5, 1.5);
+  const double sign = slip_random_.uniform() < 0.5 ? -1.0 : 1.0;
+  if (time >= slip_until_) {
+    if (chance >= parameters_.slip_rate / parameters_.rate) return 1.0;
+    slip_until_ = time + duration;
+    slip_sign_ = sign;
+  }
+  return 1.0 + slip_sign_ * parameters_.slip;
+}
+
+}  // namespace racecar_mcl::sim

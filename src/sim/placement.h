@@ -1,0 +1,21 @@
+// Where to put a car and things in its way.
+#pragma once
+
+#include <vector>
+
+#include "sim/car.h"
+#include "sim/world.h"
+
+namespace racecar_mcl::sim {
+
+/// A pose in free space with `clearance` m all round the car. Throws MapError where none was found.
+Pose2 randomFreePose(const World& world, const CarParameters& car, Random& random,
+                     double clearance = 0.1);
+
+/// `count` unmapped discs and boxes beside the walls, of which `moving` walk 2 m to and fro along
+/// them. None comes within 3 m of `keep_clear` or of another, and each leaves 1.4 m or more to
+/// pass, all along its walk. Throws MapError where the world has no room for them.
+std::vector<Obstacle> scatterObstacles(const World& world, int count, int moving,
+                                       const Pose2& keep_clear, Random& random);
+
+}  // namespace racecar_mcl::sim

@@ -1,0 +1,133 @@
+#include "sim/simulator.h"
+
+#include <algorithm>
+
+#include "sim/check.h"
+
+namespace racecar_mcl::sim {
+namespace {
+
+constexpr double kTicksPerSecond = 1000.0;
+constexpr double kLeavingClearance = 0.01;  // m
+
+const SimulatorParameters& validated(const SimulatorParameters& parameters) {
+  parameters.validate();
+  return parameters;
+}
+
+}  // namespace
+
+void SimulatorParameters::validate() const {
+  car.validate();
+  lidar.validate();
+  odometry.validate();
+  require(truth_rate > 0.0 && truth_rate <= 1000.0, "truth_rate (Hz)", truth_rate,
+          "above 0 and at most 1000");
+}
+
+Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorParameters& parameters,
+                     const Pose2& base_in_map, std::uint64_t seed, double start_time)
+    : world_(std::move(world)),
+      parameters_(validated(parameters)),
+      lidar_(parameters.lidar, Random(seed)(), start_time),
+      odometry_(parameters.odometry, Random(~seed)(), start_time),
+      truths_(parameters.truth_rate, start_time),
+      start_time_(start_time) {
+  place(base_in_map);
+}
+
+std::vector<Event> Simulator::advance(double seconds, const Command& command) {
+  requireNotNegative("simulated time (s)", seconds);
+  requireFinite("commanded speed (m/s)", command.speed);
+  requireFinite("commanded steering (rad)", command.steering);
+  std::vector<Event> events;
+  pending_ += seconds;
+  // Half a nanosecond of slack: ten steps of 0.1 s are a second.
+  const auto steps = static_cast<long>(std::floor((pending_ + 5e-10) * kTicksPerSecond));
+  pending_ -= static_cast<double>(steps) / kTicksPerSecond;
+  for (long i = 0; i < steps; ++i) step(command, events);
+  return events;
+}
+
+void Simulator::step(const Command& command, std::vector<Event>& events) {
+  const double begin = time();
+  ++ticks_;
+  const Arc arc = move(command, begin, time());
+
+  const std::size_t first = events.size();
+  while (truths_.next() < arc.end) {
+    const double stamp = truths_.next();
+    events.push_back({stamp, Truth{stamp, arc.at(stamp), arc.twist}});
+    truths_.setRate(parameters_.truth_rate);
+    truths_.advance();
+  }
+  if (const auto sample = odometry_.measure(arc)) events.push_back({sample->stamp, *sample});
+  if (auto sweep = lidar_.measure(arc, *world_, obstacles_)) {
+    const double arrival = sweep->arrival;
+    events.push_back({arrival, std::move(*sweep)});
+  }
+  std::stable_sort(events.begin() + static_cast<std::ptrdiff_t>(first), events.end(),
+                   [](const Event& a, const Event& b) { return a.arrival < b.arrival; });
+}
+
+Arc Simulator::move(const Command& command, double begin, double end) {
+  car_ = obey(car_, command, parameters_.car, end - begin);
+  Arc arc{begin, end, car_.base_in_map, twistOf(car_, parameters_.car)};
+  const Pose2 there = arc.at(end);
+  const bool blocked = touches(there, parameters_.car, *world_, obstacles_, end);
+  // Standing inside something (placed there, or run into by it), the car may still drive out.
+  const bool was_blocked =
+      blocked && touches(arc.base_in_map, parameters_.car, *world_, obstacles_, begin);
+  if (blocked && !collided_) ++collisions_;
+  // Pushing on against a wall is one collision, not many: it ends when the car has left the wall.
+  collided_ = blocked || (collided_ && touches(there, parameters_.car, *world_, obstacles_, end,
+                                               kLeavingClearance));
+  if (blocked && !was_blocked) {
+    car_.speed = 0.0;
+    arc.twist = {};
+    return arc;
+  }
+  car_.base_in_map = there;
+  return arc;
+}
+
+void Simulator::setParameters(const SimulatorParameters& parameters) {
+  parameters.validate();
+  parameters_ = parameters;
+  lidar_.setParameters(parameters.lidar);
+  odometry_.setParameters(parameters.odometry);
+}
+
+void Simulator::setObstacles(std::vector<Obstacle> obstacles) {
+  for (const Obstacle& obstacle : obstacles) obstacle.validate();
+  obstacles_ = std::move(obstacles);
+}
+
+void Simulator::place(const Pose2& base_in_map) {
+  requireFinite("x of the car's place (m)", base_in_map.x);
+  requireFinite("y of the car's place (m)", base_in_map.y);
+  requireFinite("yaw of the car's place (rad)", base_in_map.yaw);
+  car_ = {base_in_map, 0.0, 0.0};
+  car_.base_in_map.yaw = wrapAngle(base_in_map.yaw);
+}
+
+LidarScan Simulator::look() const {
+  LidarParameters faultless;
+  faultless.instant = true;
+  faultless.beams = 541;
+  faultless.range_noise = 0.0;
+  faultless.missing_rate = 0.0;
+  faultless.laser_in_base = parameters_.lidar.laser_in_base;
+  const Arc here{time(), time() + 1.0 / kTicksPerSecond, car_.base_in_map, {}};
+  return Lidar(faultless, 0, here.begin).measure(here, *world_, obstacles_).value();
+}
+
+double Simulator::time() const {
+  return start_time_ + static_cast<double>(ticks_) / kTicksPerSecond;
+}
+
+Truth Simulator::truth() const {
+  return {time(), car_.base_in_map, twistOf(car_, parameters_.car)};
+}
+
+}  // namespace racecar_mcl::sim

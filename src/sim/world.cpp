@@ -1,0 +1,161 @@
+#include "sim/world.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl::sim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string besideMap(const std::string& map_yaml_path, const std::string& suffix) {
+  const std::size_t slash = map_yaml_path.find_last_of('/');
+  const std::size_t dot = map_yaml_path.find_last_of('.');
+  const bool has_extension =
+      dot != std::string::npos && (slash == std::string::npos || dot > slash);
+  return map_yaml_path.substr(0, has_extension ? dot : std::string::npos) + suffix;
+}
+
+/// One axis of the traversal: the cell the ray is in, and the distance at which it enters the next
+/// one.
+struct Axis {
+  double start;
+  double direction;
+  int size;
+  int cell;
+  int step;
+
+  Axis(double start_, double direction_, int size_, double enter)
+      : start(start_), direction(direction_), size(size_), step(direction_ > 0.0 ? 1 : -1) {
+    // A ray that enters the grid from outside may be rounded to either side of the grid's edge.
+    cell = std::clamp(static_cast<int>(std::floor(start + enter * direction)), 0, size - 1);
+  }
+
+  bool inside() const { return cell >= 0 && cell < size; }
+
+  /// From the cell's index anew each time, so that nothing accumulates along the ray.
+  double next() const {
+    if (direction == 0.0) return kInfinity;
+    return (cell + (step > 0 ? 1 : 0) - start) / direction;
+  }
+};
+
+}  // namespace
+
+World::World(const OccupancyGrid& grid)
+    : geometry_(grid.geometry()), wall_(obstacleMask(grid, UnknownIs::kFree)) {
+  for (std::size_t i = 0; i < wall_.size(); ++i) {
+    if (grid.cells()[i] >= 0 && wall_[i] == 0) free_.push_back(static_cast<std::uint32_t>(i));
+  }
+}
+
+double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_range) const {
+  const Eigen::Vector2d start = worldToGrid(geometry_, origin);
+  const double angle = yaw - geometry_.origin.yaw;
+  const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+  const Eigen::Vector2d size(geometry_.width, geometry_.height);
+  if (!start.allFinite() || !direction.allFinite()) return kInfinity;
+
+  // The stretch of the ray inside the grid, in cells.
+  double enter = 0.0;
+  double leave = max_range / geometry_.resolution;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (direction[axis] == 0.0) {
+      if (start[axis] < 0.0 || start[axis] >= size[axis]) return kInfinity;
+      continue;
+    }
+    const double a = -start[axis] / direction[axis];
+    const double b = (size[axis] - start[axis]) / direction[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  if (enter > leave) return kInfinity;
+
+  Axis column(start.x(), direction.x(), geometry_.width, enter);
+  Axis row(start.y(), direction.y(), geometry_.height, enter);
+  double distance = enter;
+  double next_column = column.next();
+  double next_row = row.next();
+  while (distance <= leave && column.inside() && row.inside()) {
+    if (wall_[index({column.cell, row.cell})] != 0) return distance * geometry_.resolution;
+    if (next_column < next_row) {
+      distance = next_column;
+      column.cell += column.step;
+      next_column = column.next();
+    } else {
+      distance = next_row;
+      row.cell += row.step;
+      next_row = row.next();
+    }
+  }
+  return kInfinity;
+}
+
+Hit World::cast(const Eigen::Vector2d& origin, double yaw, double max_range,
+                const std::vector<Obstacle>& obstacles, double time) const {
+  const Eigen::Vector2d direction(std::cos(yaw), std::sin(yaw));
+  Hit hit{kInfinity, false};
+  for (const Obstacle& obstacle : obstacles) {
+    const double range = castObstacle(obstacle, poseAt(obstacle, time), origin, direction);
+    if (range <= max_range) hit.range = std::min(hit.range, range);
+  }
+  const double walls = castWalls(origin, yaw, std::min(max_range, hit.range));
+  return walls <= hit.range ? Hit{walls, std::isfinite(walls)} : hit;
+}
+
+bool World::isWall(const Eigen::Vector2d& point) const {
+  const Cell cell = cellAt(geometry_, point);
+  return contains(geometry_, cell) && wall_[index(cell)] != 0;
+}
+
+bool World::isFree(const Eigen::Vector2d& point) const {
+  const Cell cell = cellAt(geometry_, point);
+  return contains(geometry_, cell) &&
+         std::binary_search(free_.begin(), free_.end(), static_cast<std::uint32_t>(index(cell)));
+}
+
+bool World::isGlass(const Glass& glass, const Eigen::Vector2d& point) {
+  if (glass.share <= 0.0) return false;
+  const auto column = static_cast<std::int64_t>(std::floor(point.x() / glass.patch));
+  const auto row = static_cast<std::int64_t>(std::floor(point.y() / glass.patch));
+  Random patch(glass.seed + 0x9e3779b97f4a7c15ULL * static_cast<std::uint64_t>(column) +
+               0xc2b2ae3d27d4eb4fULL * static_cast<std::uint64_t>(row));
+  return patch.uniform() < glass.share;
+}
+
+Eigen::Vector2d World::randomFreePoint(Random& random) const {
+  if (free_.empty())
+    throw MapError("the world has no free cell; at least one is needed to stand in");
+  const std::uint32_t index = free_[random.index(free_.size())];
+  const auto width = static_cast<std::uint32_t>(geometry_.width);
+  const double column = index % width + random.uniform();
+  const double row = index / width + random.uniform();
+  return gridToWorld(geometry_, {column, row});
+}
+
+std::string worldPathFor(const std::string& map_yaml_path) {
+  const std::string world = besideMap(map_yaml_path, "_world.yaml");
+  return std::ifstream(world).good() ? world : map_yaml_path;
+}
+
+bool loadStartPose(const std::string& map_yaml_path, Pose2& start_in_map) {
+  const std::string path = besideMap(map_yaml_path, "_start.yaml");
+  if (!std::ifstream(path).good()) return false;
+  try {
+    const auto start = YAML::LoadFile(path)["start"].as<std::vector<double>>();
+    if (start.size() == 3 && isFinite(Pose2{start[0], start[1], start[2]})) {
+      start_in_map = {start[0], start[1], wrapAngle(start[2])};
+      return true;
+    }
+  } catch (const YAML::Exception& error) {
+    throw MapError(path + ": " + error.what() + "; expected `start: [x, y, yaw]`");
+  }
+  throw MapError(path + ": expected `start: [x, y, yaw]` with three finite numbers (m, m, rad)");
+}
+
+}  // namespace racecar_mcl::sim
