@@ -28,7 +28,7 @@ wanted_packages() {
   else
     echo catkin libnodelet-dev libnodeletlib-dev libnodeletlib-tools pluginlib-dev librosbag-dev \
       librostest-dev libtf2-msgs-dev libtf2-ros-dev python3-diagnostic-msgs python3-nav-msgs python3-rosbag python3-roslaunch python3-rosnode \
-      python3-rostest python3-rostopic python3-sensor-msgs python3-visualization-msgs ros-core-dev rosbash rosout rviz
+      python3-rostest python3-rostopic python3-sensor-msgs python3-tf2-msgs python3-visualization-msgs ros-core-dev rosbash rosout rviz
   fi
 }
 
@@ -60,10 +60,10 @@ build_jobs() {
   echo $((memory < 1 ? 1 : memory < cores ? memory : cores))
 }
 
-# build_in FOLDER [cmake arguments]: configures when new or when arguments are given, then builds.
+# build_in FOLDER TARGET [cmake arguments]: configures when new or when arguments are given, then builds.
 build_in() {
-  local folder="$root/$1"
-  shift
+  local folder="$root/$1" target="$2"
+  shift 2
   if [ ! -f "$folder/Makefile" ] || [ $# -gt 0 ]; then
     mkdir -p "$folder"
     cmake -S "$root" -B "$folder" -DPYTHON_EXECUTABLE=/usr/bin/python3 "$@" \
@@ -72,5 +72,5 @@ build_in() {
       return 1
     }
   fi
-  cmake --build "$folder" -j "$(build_jobs)"
+  cmake --build "$folder" --target "$target" -j "$(build_jobs)"
 }

@@ -59,7 +59,7 @@ def draw_drive(path, map_yaml, estimate, title, truth=None, error=None):
     plan.set(title=title, xlabel="x (m)", ylabel="y (m)", xlim=(low[0], high[0]),
              ylim=(low[1], high[1]))
     plan.set_aspect("equal")
-    plan.legend(loc="upper right")
+    plan.legend(loc="best")
     if error is not None:
         stamps, position = error
         strip = axes[1, 0]

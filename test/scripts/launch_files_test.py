@@ -1,0 +1,157 @@
+#!/usr/bin/python3
+"""Every launch file loads, with its arguments in all their forms, and starts what exists."""
+import re
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import roslaunch.config
+import roslaunch.xmlloader
+import roslib.packages
+import rosbag
+import rosunit
+import rospy
+import yaml
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+ROOT = Path(__file__).resolve().parents[2]
+LAUNCH = ROOT / "launch"
+MAP = str(ROOT / "maps/corridor.yaml")
+
+
+def write_bag(path, child):
+    transform = TransformStamped(child_frame_id=child)
+    transform.header.frame_id = "odom"
+    with rosbag.Bag(str(path), "w") as bag:
+        bag.write("/tf", TFMessage([transform]), rospy.Time(1))
+
+
+def load(name, **arguments):
+    config = roslaunch.config.ROSLaunchConfig()
+    argv = [f"{key}:={value}" for key, value in arguments.items()]
+    roslaunch.xmlloader.XmlLoader().load(str(LAUNCH / name), config, argv=argv, verbose=False)
+    return config
+
+
+def nodes(config):
+    return {node.name: node for node in config.nodes}
+
+
+def parameter(config, name):
+    return config.params[name].value if name in config.params else None
+
+
+class LaunchFiles(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.bag = self.folder / "a drive.bag"
+        write_bag(self.bag, "base_link")
+
+    def everyConfig(self):
+        yield load("localize.launch")
+        yield load("localize.launch", map=MAP, rviz="true", tf_mode="off", initial_pose="1 2 0.5",
+                   global_start="false", scan_topic="/lidar", odom_topic="/wheels")
+        yield load("localize.launch", manager="somebodys_manager")
+        yield load("replay_bag.launch", bag=self.bag, map=MAP, rviz="true", loop="true", rate="2")
+        yield load("replay_bag.launch", bag=self.bag, tf_mode="map_to_base")
+        yield load("demo.launch", bag=self.bag, map=MAP, record=self.folder / "out.bag")
+        yield load("record.launch")
+
+    def testEveryFileIsLoadedHere(self):
+        here = set(re.findall(r"[a-z_]+\.launch", Path(__file__).read_text(encoding="utf-8")))
+        for file in LAUNCH.glob("*.launch"):
+            self.assertIn(file.name, here)
+
+    def testEveryArgumentIsDocumented(self):
+        for file in LAUNCH.glob("*.launch"):
+            for argument in ElementTree.parse(file).getroot().findall("arg"):
+                if argument.get("value") is None:
+                    self.assertTrue(argument.get("doc"), f"{file.name}: {argument.get('name')}")
+
+    def testEveryProgramExists(self):
+        programs = {(node.package, node.type)
+                    for config in self.everyConfig() for node in config.nodes}
+        for package, program in programs:
+            self.assertTrue(roslib.packages.find_node(package, program), f"{package}/{program}")
+
+    def testEveryNodeletIsAPlugin(self):
+        plugins = {plugin.get("name")
+                   for plugin in ElementTree.parse(ROOT / "nodelet_plugins.xml").iter("class")}
+        for config in self.everyConfig():
+            for node in config.nodes:
+                words = node.args.split()
+                if node.package == "nodelet" and words[0] == "load":
+                    self.assertIn(words[1], plugins)
+
+    def testEveryFileNamedInThemExists(self):
+        for config in self.everyConfig():
+            for node in config.nodes:
+                for path in re.findall(r"-d (\S+)", node.args):
+                    self.assertTrue(Path(path).exists(), path)
+
+    def testLocalizesWithoutAMapOfItsOwn(self):
+        self.assertNotIn("map_source", nodes(load("localize.launch")))
+        self.assertIn("map_source", nodes(load("localize.launch", map=MAP)))
+
+    def testLoadsIntoAManagerThatRuns(self):
+        alone = nodes(load("localize.launch", map=MAP))
+        self.assertIn("localization_manager", alone)
+        shared = nodes(load("localize.launch", map=MAP, manager="car_manager"))
+        self.assertNotIn("localization_manager", shared)
+        for name in ("localization", "map_source"):
+            self.assertTrue(shared[name].args.endswith(" car_manager"))
+
+    def testRemapsTheCarsTopics(self):
+        remaps = dict(nodes(load("localize.launch", odom_topic="/wheels"))["localization"].remap_args)
+        self.assertEqual(remaps["scan"], "/scan")
+        self.assertEqual(remaps["odom"], "/wheels")
+
+    def testArgumentsOverrideTheConfigAndEmptyOnesDoNot(self):
+        mine = self.folder / "mine.yaml"
+        mine.write_text("tf_mode: map_to_odom\nnum_particles: 321\n", encoding="utf-8")
+        config = load("localize.launch", config=mine)
+        self.assertEqual(parameter(config, "/localization/tf_mode"), "map_to_odom")
+        self.assertEqual(parameter(config, "/localization/num_particles"), 321)
+        self.assertIsNone(parameter(config, "/localization/initial_pose"))
+        config = load("localize.launch", config=mine, tf_mode="off", initial_pose="1 2 3")
+        self.assertEqual(parameter(config, "/localization/tf_mode"), "off")
+        self.assertEqual(parameter(config, "/localization/initial_pose"), "1 2 3")
+
+    def testReplayTakesTheTfModeThatFitsTheBag(self):
+        self.assertTrue(parameter(load("replay_bag.launch", bag=self.bag), "/use_sim_time"))
+        mode = "/localization/tf_mode"
+        self.assertEqual(parameter(load("replay_bag.launch", bag=self.bag), mode), "map_to_odom")
+        write_bag(self.bag, "laser")
+        self.assertEqual(parameter(load("replay_bag.launch", bag=self.bag), mode), "map_to_base")
+        self.assertEqual(
+            parameter(load("replay_bag.launch", bag=self.bag, tf_mode="off"), mode), "off")
+
+    def testRelativePathsStartWhereRoslaunchWasCalled(self):
+        player = nodes(load("replay_bag.launch", bag="x.bag", tf_mode="off"))["player"]
+        self.assertIn("/x.bag'", player.args)
+        self.assertRegex(player.args, r" '/\S+/x\.bag'$")
+
+    def testRvizShowsWhatTheLocalizerPublishes(self):
+        source = "".join(path.read_text(encoding="utf-8")
+                         for path in (ROOT / "src/ros").glob("*.cpp"))
+        published = {f"/{topic}" for topic in re.findall(r'advertise<[\w:]+>\(\s*"([\w/]+)"', source)}
+        subscribed = {f"/{topic}" for topic in re.findall(r'subscribe\(\s*"([\w/]+)"', source)}
+        rviz = yaml.safe_load((ROOT / "config/localization.rviz").read_text(encoding="utf-8"))
+        manager = rviz["Visualization Manager"]
+        shown = {display.get("Topic") or display.get("Marker Topic")
+                 for display in manager["Displays"] if display["Value"]}
+        self.assertLessEqual({"/map", "/pf/viz/particles", "/pf/viz/particle_markers", "/pf/viz/scan",
+                              "/pf/viz/fake_scan", "/pf/pose/odom"}, shown)
+        self.assertLessEqual(shown, published)
+        sent = {tool["Topic"] for tool in manager["Tools"] if "Topic" in tool}
+        self.assertEqual(sent, {"/initialpose", "/clicked_point"})
+        self.assertLessEqual(sent, subscribed)
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("racecar_mcl", "launch_files_test", LaunchFiles, sysargs=sys.argv)

@@ -1,0 +1,60 @@
+#!/usr/bin/python3
+"""A graph leaves no process behind, however it ends."""
+import os
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import rosunit
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/lib"))
+from ros_graph import RosGraph, children_of  # noqa: E402
+
+
+def alive(pid):
+    try:
+        # A zombie has ended; only its parent has not noticed.
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+class RosGraphLifetime(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def startGraph(self):
+        return RosGraph("racecar_mcl", "localize.launch", {}, self.folder)
+
+    def waitForNodes(self, graph):
+        deadline = time.monotonic() + 30.0
+        while time.monotonic() < deadline:
+            started = children_of(graph.process.pid)
+            # roscore's master, rosout, the manager and the localization nodelet
+            if len(started) >= 4:
+                return started
+            time.sleep(0.1)
+        self.fail(f"the graph did not come up: {graph.log.read_text()}")
+
+    def testEndsAllItsProcessesWhenLeftByAnError(self):
+        with self.assertRaises(KeyboardInterrupt):
+            with self.startGraph() as graph:
+                started = self.waitForNodes(graph)
+                raise KeyboardInterrupt
+        self.assertFalse([pid for pid in started + [graph.process.pid] if alive(pid)])
+
+    def testSaysWhenItDidNotEndInTime(self):
+        with self.startGraph() as graph:
+            self.assertFalse(graph.wait(0.5))
+
+    def testChildrenAreFoundThroughAllGenerations(self):
+        self.assertIn(os.getpid(), children_of(os.getppid()))
+        self.assertNotIn(os.getpid(), children_of(os.getpid()))
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("racecar_mcl", "ros_graph_test", RosGraphLifetime, sysargs=sys.argv)
