@@ -97,13 +97,16 @@ def count_folder(folder, count):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", nargs="*", type=Path, help="build folders whose tests ran")
-    parser.add_argument("--broken", action="append", default=[], metavar="WHAT",
-                        help="something that counts as one more failure, e.g. a failed build")
+    parser.add_argument("--passed", action="append", default=[], metavar="WHAT",
+                        help="something that counts as one more test, and passed")
+    parser.add_argument("--failed", action="append", default=[], metavar="WHAT",
+                        help="likewise, and failed, e.g. a build")
     options = parser.parse_args()
     count = Count()
     for folder in options.folder:
         count_folder(folder, count)
-    for what in options.broken:
+    count.passed += len(options.passed)
+    for what in options.failed:
         count.fail(what, "failed")
 
     for failure in count.failures:

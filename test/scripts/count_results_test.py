@@ -73,10 +73,11 @@ class CountResults(unittest.TestCase):
         self.select()
         self.assertEqual(self.count(), ("0 passed, 1 failed", 1))
 
-    def testABrokenBuildFails(self):
+    def testOtherChecksCount(self):
         self.select("unit")
         self.results("unit", PASSED)
-        self.assertEqual(self.count("--broken", "the build"), ("1 passed, 1 failed", 1))
+        self.assertEqual(self.count("--passed", "the demo"), ("2 passed, 0 failed", 0))
+        self.assertEqual(self.count("--failed", "the build"), ("1 passed, 1 failed", 1))
 
     def testRostestsAreCountedByTheirInnerCases(self):
         wrapper = '<testcase classname="rostest.runner.RosTest" name="testinner"{}'
