@@ -7,6 +7,7 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "localization");
+  const ros::NodeHandle keeps_ros_running;  // else nobody hears what is said after an error
   try {
     const racecar_mcl::LocalizationNode node{ros::NodeHandle(), ros::NodeHandle("~")};
     ros::spin();

@@ -2,6 +2,7 @@
 
 #include <XmlRpcValue.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -53,6 +54,15 @@ double parseNumber(const std::string& name, const std::string& text) {
   return value;
 }
 
+int parseCount(const std::string& name, const std::string& text) {
+  const double value = parseNumber(name, text);
+  if (value != std::floor(value) || value < 0.0 ||
+      value > static_cast<double>(std::numeric_limits<int>::max())) {
+    refuse(name, text, "a whole number from 0 on");
+  }
+  return static_cast<int>(value);
+}
+
 std::string parseFrame(const std::string& name, const std::string& text) {
   const std::string frame = stripLeadingSlash(text);
   if (frame.empty()) refuse(name, text, "the name of a frame");
@@ -89,7 +99,7 @@ bool setNodeParameter(const std::string& name, const std::string& text, NodePara
   } else if (name == "global_start") {
     p->global_start = parseFlag(name, text);
   } else if (name == "seed") {
-    p->seed = static_cast<int>(parseNumber(name, text));
+    p->seed = parseCount(name, text);
   } else if (name == "visualization_rate") {
     p->visualization_rate = parseNumber(name, text);
   } else if (name == "diagnostics_rate") {
