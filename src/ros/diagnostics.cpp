@@ -60,7 +60,9 @@ diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::
   add("odometry dropped", s.counters.odometry_dropped);
   add("odometry gaps", s.counters.odometry_gaps);
   add("time jumps", s.counters.time_jumps);
+  add("stamps refused", s.stamps_refused);
   add("start poses refused", s.starts_refused);
+  add("maps refused", s.maps_refused);
   add("last problem", s.last_problem);
   return message;
 }

@@ -18,7 +18,9 @@ struct NodeStatus {
   std::uint64_t scans_unreadable = 0;  ///< messages that no conversion accepted
   std::uint64_t scans_without_tf = 0;  ///< no transform from the scan's frame to the car
   std::uint64_t scans_superseded = 0;  ///< a newer scan came before its turn
+  std::uint64_t stamps_refused = 0;    ///< scans and odometry without a stamp or far ahead
   std::uint64_t starts_refused = 0;    ///< start poses that could not be used
+  std::uint64_t maps_refused = 0;      ///< maps that could not be used
   std::string last_problem;            ///< the newest of the above in words
   double seconds_since_scan = 0.0;     ///< s, of wall time; since the node's start before the first
   double seconds_since_odometry = 0.0;  ///< s, of wall time

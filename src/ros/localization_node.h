@@ -7,7 +7,6 @@
 #pragma once
 
 #include <geometry_msgs/PointStamped.h>
-#include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Odometry.h>
@@ -15,9 +14,6 @@
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <std_srvs/Empty.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_broadcaster.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <condition_variable>
 #include <memory>
@@ -29,8 +25,11 @@
 #include "racecar_mcl/localizer.h"
 #include "ros/conversions.h"
 #include "ros/diagnostics.h"
+#include "ros/laser_mounts.h"
 #include "ros/latency_window.h"
 #include "ros/latest_slot.h"
+#include "ros/localization_output.h"
+#include "ros/log_limiter.h"
 #include "ros/node_parameters.h"
 #include "ros/task_thread.h"
 #include "ros/tf_parent_watch.h"
@@ -62,25 +61,32 @@ class LocalizationNode {
 
   // The worker's tasks.
   void buildMap();
+  void useMap(const std::shared_ptr<MapModel>& map);
   void processScan();
   void start(const PoseEstimate& pose);
   void startGlobally();
+  void restartAfterTimeJump(double stamp);
 
-  std::optional<LaserMount> laserMount(const std::string& frame);
+  void checkOdometryFrames(const nav_msgs::Odometry& message, const OdometrySample& sample);
+  std::optional<Scan> readScan(const sensor_msgs::LaserScan& message, LaserMount* mount);
   void waitForOdometry(double stamp);
-  void restartAfterTimeJump();
   void publishPose(bool after_scan);
   void broadcast(const PoseEstimate& estimate, double stamp);
-  void publishScanTopics(const sensor_msgs::LaserScan& message, const LaserMount& mount,
-                         const ScanResult& result);
-  void reportDropped(const ScanResult& result);
+  void noteScan(const ScanResult& result, ros::WallTime arrival);
+  void reportDropped(ScanOutcome outcome);
+  bool isStampRefused(const std::string& what, const ros::Time& stamp);
+  /// Says what comes with every message now and then.
+  void warn(const std::string& subject, const std::string& reason);
+  /// Counts what went wrong, and keeps it for the diagnostics.
+  void note(const std::string& problem, std::uint64_t NodeStatus::*counter = nullptr);
+  /// Notes it and says it every time: somebody asked for it.
   void refuse(std::uint64_t NodeStatus::*counter, const std::string& problem);
 
   NodeParameters parameters_;
   ros::NodeHandle node_;
+  std::string name_;
 
-  std::mutex
-      timeline_mutex_;  ///< guards the localizer's timeline and the fields up to the publishers
+  std::mutex timeline_mutex_;  ///< guards the localizer's timeline and the fields up to `output_`
   std::condition_variable odometry_arrived_;
   Localizer localizer_;
   NodeStatus status_;
@@ -88,17 +94,15 @@ class LocalizationNode {
   ros::WallTime last_scan_arrival_;
   ros::WallTime last_odometry_arrival_;
   double last_published_stamp_ = 0.0;
+  std::optional<double> newest_odometry_stamp_;
+  std::string odometry_frame_;         ///< the frame that odometry says it moves
   std::optional<Pose2> base_in_odom_;  ///< as the newest odometry message gave it
   double base_in_odom_stamp_ = 0.0;
 
-  ros::Publisher pose_publisher_, inferred_pose_publisher_, amcl_pose_publisher_;
-  ros::Publisher particles_publisher_, markers_publisher_, scan_publisher_, fake_scan_publisher_;
-  ros::Publisher diagnostics_publisher_;
-  tf2_ros::TransformBroadcaster broadcaster_;
-  tf2_ros::Buffer tf_buffer_;
-  tf2_ros::TransformListener tf_listener_;
+  LocalizationOutput output_;
+  LaserMounts laser_mounts_;
   TfParentWatch tf_parent_watch_;
-  ros::WallTime last_visualization_;
+  LogLimiter log_limiter_;
 
   LatestSlot<ReceivedScan> newest_scan_;
   LatestSlot<nav_msgs::OccupancyGridConstPtr> newest_map_;
@@ -106,6 +110,7 @@ class LocalizationNode {
   TaskThread worker_;
 
   // Last, so that no callback finds a part missing.
+  ros::Publisher diagnostics_publisher_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer diagnostics_timer_;

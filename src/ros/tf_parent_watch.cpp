@@ -15,10 +15,12 @@ TfParentWatch::TfParentWatch(ros::NodeHandle node, const NodeParameters& paramet
 }
 
 void TfParentWatch::onTransforms(const ros::MessageEvent<const tf2_msgs::TFMessage>& event) {
-  if (event.getPublisherName() == ros::this_node::getName()) return;
+  if (said_) return;
   for (const auto& transform : event.getConstMessage()->transforms) {
     if (stripLeadingSlash(transform.child_frame_id) != base_frame_) continue;
     const std::string parent = stripLeadingSlash(transform.header.frame_id);
+    // A nodelet beside this one publishes under the same name, but not from this one's map frame.
+    if (parent == map_frame_ && event.getPublisherName() == ros::this_node::getName()) continue;
     if (parent == map_frame_) {
       ROS_WARN(
           "%s also publishes %s -> %s: two localizers contradict each other. Stop one, or "
@@ -31,8 +33,7 @@ void TfParentWatch::onTransforms(const ros::MessageEvent<const tf2_msgs::TFMessa
           event.getPublisherName().c_str(), parent.c_str(), base_frame_.c_str(),
           base_frame_.c_str(), parent.c_str());
     }
-    tf_.shutdown();
-    tf_static_.shutdown();
+    said_ = true;
     return;
   }
 }

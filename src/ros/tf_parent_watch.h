@@ -5,6 +5,7 @@
 #include <ros/subscriber.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <atomic>
 #include <string>
 
 #include "ros/node_parameters.h"
@@ -22,6 +23,7 @@ class TfParentWatch {
 
   std::string base_frame_;
   std::string map_frame_;
+  std::atomic<bool> said_{false};
   ros::Subscriber tf_;
   ros::Subscriber tf_static_;
 };
