@@ -1,0 +1,263 @@
+// The ways to a start pose, and what comes before one.
+#include <geometry_msgs/PoseArray.h>
+#include <nav_msgs/SetMap.h>
+#include <std_srvs/Empty.h>
+
+#include "support/localization_fixture.h"
+
+namespace racecar_mcl {
+namespace {
+
+/// Mean and standard deviations of the particles that the node shows.
+struct Cloud {
+  double x = 0.0, y = 0.0, sigma_x = 0.0, sigma_y = 0.0;
+  std::size_t size = 0;
+};
+
+class LocalizationStartTest : public LocalizationTest {
+ protected:
+  void listenToParticles() {
+    particles_ = handle_.subscribe<geometry_msgs::PoseArray>(
+        "pf/viz/particles", 1, [this](const geometry_msgs::PoseArrayConstPtr& message) {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          cloud_ = {};
+          const double n = static_cast<double>(message->poses.size());
+          cloud_.size = message->poses.size();
+          for (const auto& pose : message->poses) {
+            cloud_.x += pose.position.x / n;
+            cloud_.y += pose.position.y / n;
+          }
+          for (const auto& pose : message->poses) {
+            cloud_.sigma_x += std::pow(pose.position.x - cloud_.x, 2) / n;
+            cloud_.sigma_y += std::pow(pose.position.y - cloud_.y, 2) / n;
+          }
+          cloud_.sigma_x = std::sqrt(cloud_.sigma_x);
+          cloud_.sigma_y = std::sqrt(cloud_.sigma_y);
+        });
+    ASSERT_TRUE(listener_.waitFor([&] { return particles_.getNumPublishers() > 0; }));
+  }
+  Cloud cloud() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return cloud_;
+  }
+
+  std::mutex mutex_;
+  Cloud cloud_;
+  ros::Subscriber particles_;
+};
+
+TEST_F(LocalizationStartTest, SaysOnceThatItWaitsForAMapAndThenForAStartPose) {
+  startNode();
+  for (int i = 0; i < 5; ++i) {
+    car_.advance(0.02);
+    odometry_.publish(car_.odometry());
+    EXPECT_FALSE(sendScan(car_.scan(), 0.05));
+  }
+  EXPECT_TRUE(listener_.waitForLog("wait for a map on " + namespace_ + "/map"));
+  EXPECT_EQ(listener_.logged("wait for a map"), 1);
+  EXPECT_EQ(listener_.diagnostics().message, "waiting for a map");
+
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of 162 x 122 cells"));
+  for (int i = 0; i < 5; ++i) {
+    car_.advance(0.02);
+    odometry_.publish(car_.odometry());
+    EXPECT_FALSE(sendScan(car_.scan(), 0.05));
+  }
+  EXPECT_TRUE(listener_.waitForLog("scans wait for a start pose"));
+  EXPECT_EQ(listener_.logged("scans wait for a start pose"), 1);
+  EXPECT_TRUE(listener_.waitForDiagnostic("scans dropped", "10"));
+  EXPECT_TRUE(listener_.waitForDiagnostic("odometry seen", "10"));
+  EXPECT_EQ(listener_.diagnostics().message, "waiting for a start pose");
+  EXPECT_TRUE(listener_.poses().empty());
+  EXPECT_TRUE(listener_.transformsFrom("map").empty());
+
+  initial_pose_.publish(startMessage(car_.baseInMap()));
+  ASSERT_TRUE(listener_.waitForLog("localizing from"));
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, FromInitialPose) {
+  startLocalized();
+  expectStillLocalizes();
+  EXPECT_TRUE(listener_.waitFor([&] { return listener_.diagnostics().message == "localizing"; }));
+}
+
+TEST_F(LocalizationStartTest, HonoursTheCovarianceOfInitialPose) {
+  parameters_.setParam("num_particles", 4000);
+  parameters_.setParam("resample_threshold", 0.0);
+  startNode();
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  listenToParticles();
+  auto start = startMessage(car_.baseInMap());
+  start.pose.covariance[0] = 0.3 * 0.3;
+  start.pose.covariance[7] = 0.05 * 0.05;
+  initial_pose_.publish(start);
+  ASSERT_TRUE(listener_.waitForLog("localizing from"));
+  ASSERT_TRUE(sendScan(car_.scan()));
+  ASSERT_TRUE(listener_.waitFor([&] { return cloud().size > 0; }));
+  EXPECT_EQ(cloud().size, 4000U);
+  EXPECT_NEAR(cloud().x, car_.baseInMap().x, 0.03);
+  EXPECT_NEAR(cloud().sigma_x, 0.3, 0.02);
+  EXPECT_NEAR(cloud().sigma_y, 0.05, 0.005);
+}
+
+TEST_F(LocalizationStartTest, TakesTheParametersSpreadWhereInitialPoseBringsNone) {
+  parameters_.setParam("num_particles", 4000);
+  parameters_.setParam("resample_threshold", 0.0);
+  parameters_.setParam("initial_sigma", 0.4);
+  startNode();
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  listenToParticles();
+  initial_pose_.publish(startMessage(car_.baseInMap(), 0.0));
+  ASSERT_TRUE(listener_.waitForLog("localizing from"));
+  ASSERT_TRUE(sendScan(car_.scan()));
+  ASSERT_TRUE(listener_.waitFor([&] { return cloud().size > 0; }));
+  EXPECT_NEAR(cloud().sigma_x, 0.4, 0.03);
+  EXPECT_NEAR(cloud().sigma_y, 0.4, 0.03);
+}
+
+TEST_F(LocalizationStartTest, AnotherInitialPoseMovesTheParticlesThere) {
+  startLocalized();
+  expectStillLocalizes();
+  const Pose2 elsewhere = compose(roomInMap(), {2.0, 2.5, 1.0});
+  car_.place(elsewhere);
+  initial_pose_.publish(startMessage(elsewhere));
+  ASSERT_TRUE(listener_.waitFor([&] { return listener_.logged("localizing from") == 2; }));
+  car_.twist = {0.5, 0.0, 1.0};
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, FromTheParameter) {
+  const Pose2 start = car_.baseInMap();
+  parameters_.setParam("initial_pose", std::to_string(start.x) + " " + std::to_string(start.y) +
+                                           " " + std::to_string(start.yaw));
+  parameters_.setParam("initial_sigma", 0.1);
+  startNode();
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, FromAListAsTheParameter) {
+  const Pose2 start = car_.baseInMap();
+  parameters_.setParam("initial_pose", std::vector<double>{start.x, start.y, start.yaw});
+  parameters_.setParam("initial_sigma", 0.1);
+  startNode();
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, GloballyByParameterAsSoonAsThereIsAMap) {
+  parameters_.setParam("global_start", true);
+  startNode();
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("localizing globally"));
+  drive(3.0);
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, GloballyByClickedPoint) {
+  ros::Publisher clicked = handle_.advertise<geometry_msgs::PointStamped>("clicked_point", 1);
+  startNode();
+  clicked.publish(geometry_msgs::PointStamped());
+  ASSERT_TRUE(listener_.waitForLog("global localization needs a map first"));
+  EXPECT_TRUE(listener_.waitForDiagnostic("start poses refused", "1"));
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  clicked.publish(geometry_msgs::PointStamped());
+  ASSERT_TRUE(listener_.waitForLog("localizing globally"));
+  drive(3.0);
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, GloballyByService) {
+  startLocalized();
+  car_.place(compose(roomInMap(), {4.5, 4.5, 3.0}));  // carried away
+  car_.twist = {0.8, 0.0, 1.0};
+  std_srvs::Empty empty;
+  ASSERT_TRUE(ros::service::call(namespace_ + "/global_localization", empty));
+  ASSERT_TRUE(listener_.waitForLog("localizing globally"));
+  drive(3.0);
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, SetMapBringsMapAndPoseAtOnce) {
+  startNode();
+  nav_msgs::SetMap set_map;
+  set_map.request.map = toMessage(testRoom(), "map", ros::Time(1.0));
+  set_map.request.initial_pose = startMessage(car_.baseInMap());
+  ASSERT_TRUE(ros::service::call(namespace_ + "/set_map", set_map));
+  EXPECT_TRUE(set_map.response.success);
+  ASSERT_TRUE(listener_.waitForLog("localizing from"));
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, SetMapRefusesWhatCannotBeUsed) {
+  startLocalized();
+  nav_msgs::SetMap no_orientation;
+  no_orientation.request.map = toMessage(testRoom(), "map", ros::Time(1.0));
+  ASSERT_TRUE(ros::service::call(namespace_ + "/set_map", no_orientation));
+  EXPECT_FALSE(no_orientation.response.success);
+
+  nav_msgs::SetMap outside = no_orientation;
+  outside.request.initial_pose = startMessage({100.0, 100.0, 0.0});
+  ASSERT_TRUE(ros::service::call(namespace_ + "/set_map", outside));
+  EXPECT_FALSE(outside.response.success);
+  EXPECT_TRUE(listener_.waitForLog("set_map refused: the initial pose lies outside the map"));
+
+  nav_msgs::SetMap walls_only = no_orientation;
+  walls_only.request.initial_pose = startMessage(car_.baseInMap());
+  for (auto& cell : walls_only.request.map.data) cell = 100;
+  ASSERT_TRUE(ros::service::call(namespace_ + "/set_map", walls_only));
+  EXPECT_FALSE(walls_only.response.success);
+  EXPECT_TRUE(listener_.waitForLog("set_map refused: the map has no free cell"));
+  EXPECT_TRUE(listener_.waitForDiagnostic("maps refused", "3"));
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, AnotherMapWhileRunningKeepsThePose) {
+  startLocalized();
+  expectStillLocalizes();
+  const std::size_t starts = static_cast<std::size_t>(listener_.logged("localizing from"));
+  publishMap(testRoom(0.1));
+  ASSERT_TRUE(listener_.waitForLog("map of 82 x 62 cells at 0.1 m"));
+  expectStillLocalizes();
+  EXPECT_EQ(static_cast<std::size_t>(listener_.logged("localizing from")), starts);
+}
+
+TEST_F(LocalizationStartTest, SaysWhenANewMapDoesNotHoldThePose) {
+  startLocalized();
+  const OccupancyGrid room = testRoom();
+  GridGeometry far = room.geometry();
+  far.origin = {500.0, 0.0, 0.0};
+  publishMap(OccupancyGrid(far, room.cells()));
+  EXPECT_TRUE(listener_.waitForLog("lies outside the new map"));
+  publishMap();
+  ASSERT_TRUE(listener_.waitFor([&] { return listener_.logged("map of 162") == 3; }));
+  expectStillLocalizes();
+}
+
+TEST_F(LocalizationStartTest, StopsWeighingWhileParkedUntilAskedTo) {
+  parameters_.setParam("parked_updates", 5);
+  startLocalized();
+  expectStillLocalizes();
+  car_.twist = {};
+  drive(1.0);
+  ASSERT_TRUE(listener_.waitFor(
+      [&] { return std::atoi(listener_.diagnostic("scans parked").c_str()) > 19; }));
+  const std::string used = listener_.diagnostic("scans used");
+  EXPECT_GT(drive(0.2), 0) << "the pose is published while parked too";
+  EXPECT_EQ(listener_.diagnostic("scans used"), used);
+  std_srvs::Empty empty;
+  ASSERT_TRUE(ros::service::call(namespace_ + "/request_nomotion_update", empty));
+  drive(0.2);
+  EXPECT_TRUE(listener_.waitFor([&] { return listener_.diagnostic("scans used") != used; }));
+  expectLocalized();
+}
+
+}  // namespace
+}  // namespace racecar_mcl
