@@ -1,0 +1,319 @@
+// What users of the node plug into: every topic and tf, with its type, frame, rate and meaning.
+#include <geometry_msgs/PoseArray.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <tf2_ros/transform_listener.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <map>
+#include <set>
+
+#include "support/localization_fixture.h"
+
+namespace racecar_mcl {
+namespace {
+
+/// Keeps the newest message of one topic.
+template <typename Message>
+class Newest {
+ public:
+  Newest(ros::NodeHandle node, const std::string& topic)
+      : subscriber_(
+            node.subscribe<Message>(topic, 10, [this](const boost::shared_ptr<Message const>& m) {
+              const std::lock_guard<std::mutex> lock(mutex_);
+              message_ = m;
+              ++count_;
+            })) {}
+  ~Newest() { subscriber_.shutdown(); }
+
+  boost::shared_ptr<Message const> get() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return message_;
+  }
+  int count() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return count_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  boost::shared_ptr<Message const> message_;
+  int count_ = 0;
+  ros::Subscriber subscriber_;
+};
+
+class LocalizationContractTest : public LocalizationTest {
+ protected:
+  LocalizationContractTest() : tf_listener_(tf_) {}
+
+  /// The pose of a frame in the map as a tf listener sees it.
+  std::optional<Pose2> inMap(const std::string& frame, const ros::Time& stamp) {
+    try {
+      const auto transform = tf_.lookupTransform("map", frame, stamp).transform;
+      return Pose2{transform.translation.x, transform.translation.y, yawOf(transform.rotation)};
+    } catch (const tf2::TransformException&) {
+      return std::nullopt;
+    }
+  }
+
+  void expectCarAt(const std::string& frame) {
+    const ros::Time stamp(car_.stamp());
+    ASSERT_TRUE(listener_.waitFor([&] { return inMap(frame, stamp).has_value(); }));
+    EXPECT_LT(distance(*inMap(frame, stamp), car_.baseInMap()), 0.1);
+    EXPECT_LT(std::abs(wrapAngle(inMap(frame, stamp)->yaw - car_.baseInMap().yaw)), 0.06);
+  }
+
+  /// At the pace of the clock: odometry at 50 Hz and a scan with every second message.
+  void driveLive(double seconds) {
+    const ros::WallTime begin = ros::WallTime::now();
+    for (int tick = 1; tick <= std::lround(seconds * 50.0); ++tick) {
+      ros::WallTime::sleepUntil(begin + ros::WallDuration(0.02 * tick));
+      car_.advance(0.02);
+      onTick();
+      odometry_.publish(car_.odometry());
+      if (tick % 2 == 0) scans_.publish(car_.scan());
+    }
+  }
+
+  tf2_ros::Buffer tf_;
+  tf2_ros::TransformListener tf_listener_;
+};
+
+TEST_F(LocalizationContractTest, AdvertisesEveryTopicWithItsType) {
+  startNode();
+  ros::master::V_TopicInfo topics;
+  ASSERT_TRUE(ros::master::getTopics(topics));
+  std::map<std::string, std::string> types;
+  for (const auto& topic : topics) types[topic.name] = topic.datatype;
+  EXPECT_EQ(types[namespace_ + "/pf/pose/odom"], "nav_msgs/Odometry");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/inferred_pose"], "geometry_msgs/PoseStamped");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/particles"], "geometry_msgs/PoseArray");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/particle_markers"], "visualization_msgs/MarkerArray");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/scan"], "sensor_msgs/LaserScan");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/fake_scan"], "sensor_msgs/LaserScan");
+  EXPECT_EQ(types[namespace_ + "/amcl_pose"], "geometry_msgs/PoseWithCovarianceStamped");
+  EXPECT_EQ(types["/diagnostics"], "diagnostic_msgs/DiagnosticArray");
+  EXPECT_EQ(types["/tf"], "tf2_msgs/TFMessage");
+  for (const char* service : {"global_localization", "request_nomotion_update", "set_map"}) {
+    EXPECT_TRUE(ros::service::exists(namespace_ + "/" + service, false)) << service;
+  }
+}
+
+TEST_F(LocalizationContractTest, PublishesThePoseAtTheRateOfOdometry) {
+  car_.setStamp(ros::WallTime::now().toSec());
+  startLocalized();
+  driveLive(0.5);
+  listener_.forget();
+  const double begin = car_.stamp();
+  driveLive(2.0);
+  std::set<double> stamps;
+  for (const auto& pose : listener_.poses()) {
+    EXPECT_EQ(pose.header.frame_id, "map");
+    EXPECT_EQ(pose.child_frame_id, "base_link");
+    EXPECT_NEAR(pose.twist.twist.linear.x, 1.0, 1e-9);
+    EXPECT_NEAR(pose.twist.twist.angular.z, 1.0, 1e-9);
+    EXPECT_TRUE(stamps.insert(pose.header.stamp.toSec()).second) << "each stamp once";
+    EXPECT_GT(pose.header.stamp.toSec(), begin - 0.1);
+  }
+  EXPECT_GE(stamps.size(), 90U) << "odometry came at 50 Hz for 2 s";
+  expectLocalized();
+}
+
+TEST_F(LocalizationContractTest, FillsTheCovarianceCellsOfXYAndYawAlone) {
+  startLocalized();
+  drive(1.0);
+  const auto covariance = listener_.poses().back().pose.covariance;
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = 0; column < 6; ++column) {
+      const auto is_planar = [](std::size_t axis) { return axis < 2 || axis == 5; };
+      const double cell = covariance[6 * row + column];
+      EXPECT_NEAR(cell, covariance[6 * column + row], 1e-12);
+      if (!is_planar(row) || !is_planar(column)) {
+        EXPECT_EQ(cell, 0.0) << row << ", " << column;
+      }
+    }
+  }
+  for (const std::size_t variance : {0U, 7U, 35U}) {
+    EXPECT_GT(covariance[variance], 0.0);
+    EXPECT_LT(covariance[variance], 0.05);
+  }
+}
+
+TEST_F(LocalizationContractTest, TfHoldsForEveryStampAsSoonAsAMessageCarriesIt) {
+  car_.setStamp(ros::WallTime::now().toSec());
+  startLocalized();
+  driveLive(1.0);
+  int answered = 0;
+  double worst = 0.0;
+  for (int tick = 0; tick < 75; ++tick) {
+    driveLive(0.02);
+    const std::optional<Pose2> seen = inMap("base_link", ros::Time(car_.stamp()));
+    if (!seen) continue;
+    ++answered;
+    worst = std::max(worst, distance(*seen, car_.baseInMap()));
+  }
+  EXPECT_GE(answered, 72) << "of 75; a busy machine delivers a few transforms late";
+  EXPECT_LT(worst, 0.1);
+  expectCarAt("base_link");
+}
+
+TEST_F(LocalizationContractTest, AmclPoseIsLatched) {
+  startLocalized();
+  drive(0.5);
+  const Newest<geometry_msgs::PoseWithCovarianceStamped> late(handle_, "amcl_pose");
+  ASSERT_TRUE(listener_.waitFor([&] { return late.get() != nullptr; }));
+  EXPECT_EQ(late.get()->header.frame_id, "map");
+  EXPECT_LT(distance(toPose2(late.get()->pose.pose), car_.baseInMap()), 0.1);
+  EXPECT_GT(late.get()->pose.covariance[35], 0.0);
+}
+
+TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
+  startLocalized();
+  drive(1.0);
+  const Newest<geometry_msgs::PoseStamped> pose(handle_, "pf/viz/inferred_pose");
+  const Newest<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
+  const Newest<visualization_msgs::MarkerArray> markers(handle_, "pf/viz/particle_markers");
+  const Newest<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
+  const Newest<sensor_msgs::LaserScan> fake_scan(handle_, "pf/viz/fake_scan");
+  ASSERT_TRUE(listener_.waitFor([&] {
+    drive(0.04);
+    return pose.get() && particles.get() && markers.get() && scan.get() && fake_scan.get();
+  }));
+  EXPECT_EQ(pose.get()->header.frame_id, "map");
+  EXPECT_LT(distance(toPose2(pose.get()->pose), car_.baseInMap()), 0.15);
+  EXPECT_EQ(particles.get()->header.frame_id, "map");
+  EXPECT_EQ(particles.get()->poses.size(), 200U);
+  ASSERT_EQ(markers.get()->markers.size(), 1U);
+  EXPECT_EQ(markers.get()->markers[0].header.frame_id, "map");
+  EXPECT_EQ(markers.get()->markers[0].points.size(), markers.get()->markers[0].colors.size());
+  EXPECT_EQ(scan.get()->header.frame_id, "laser");
+  EXPECT_EQ(fake_scan.get()->header.frame_id, "laser");
+  ASSERT_EQ(fake_scan.get()->ranges.size(), scan.get()->ranges.size());
+  int alike = 0;
+  for (std::size_t i = 0; i < scan.get()->ranges.size(); ++i) {
+    alike += std::abs(fake_scan.get()->ranges[i] - scan.get()->ranges[i]) < 0.2f;
+  }
+  EXPECT_GT(alike, static_cast<int>(scan.get()->ranges.size() * 8 / 10));
+}
+
+TEST_F(LocalizationContractTest, ShowsNothingMoreOftenThanVisualizationRate) {
+  parameters_.setParam("visualization_rate", 5.0);
+  startLocalized();
+  const Newest<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
+  const ros::WallTime begin = ros::WallTime::now();
+  drive(4.0);
+  EXPECT_GE(particles.count(), 1);
+  EXPECT_LE(particles.count(), 2.0 + 5.0 * (ros::WallTime::now() - begin).toSec());
+}
+
+TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
+  startLocalized();
+  drive(1.0);
+  ASSERT_TRUE(listener_.waitFor([&] { return listener_.diagnostics().message == "localizing"; }));
+  const auto status = listener_.diagnostics();
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK);
+  EXPECT_EQ(status.name, namespace_ + "/localization: localization");
+  EXPECT_EQ(listener_.diagnostic("particles"), "200");
+  EXPECT_EQ(listener_.diagnostic("beams"), "100");
+  EXPECT_GT(std::atof(listener_.diagnostic("effective sample size").c_str()), 1.0);
+  EXPECT_GT(std::atof(listener_.diagnostic("position sigma (m)").c_str()), 0.0);
+  EXPECT_GT(std::atof(listener_.diagnostic("scan to tf p50 (ms)").c_str()), 0.0);
+  EXPECT_LE(std::atof(listener_.diagnostic("scan to tf p50 (ms)").c_str()),
+            std::atof(listener_.diagnostic("scan to tf p99 (ms)").c_str()));
+  EXPECT_TRUE(listener_.waitFor([&] { return listener_.diagnostics().message == "no scans"; }))
+      << "after 2 s of silence";
+}
+
+TEST_F(LocalizationContractTest, WarnsOnceWhereSomebodyElsePublishesAParentOfBaseLink) {
+  startLocalized();
+  for (int i = 0; i < 3; ++i) {
+    drive(0.1);
+    transforms_.sendTransform(car_.baseInOdom());
+  }
+  EXPECT_TRUE(listener_.waitForLog("publishes odom -> base_link, and so a second parent"));
+  EXPECT_TRUE(listener_.waitForLog("tf_mode to map_to_odom and odom_frame to odom"));
+  drive(0.2);
+  EXPECT_EQ(listener_.logged("a second parent of base_link"), 1);
+}
+
+class LocalizationMapToOdomTest : public LocalizationContractTest {
+ protected:
+  void onTick() override { transforms_.sendTransform(car_.baseInOdom()); }
+};
+
+TEST_F(LocalizationMapToOdomTest, PublishesMapToOdomAlone) {
+  parameters_.setParam("tf_mode", "map_to_odom");
+  startLocalized();
+  drive(1.0);
+  EXPECT_GT(listener_.transformsFrom("map").size(), 20U);
+  for (const auto& transform : listener_.transformsFrom("map")) {
+    EXPECT_EQ(transform.child_frame_id, "odom");
+  }
+  expectCarAt("base_link");
+  EXPECT_EQ(listener_.logged("parent"), 0);
+}
+
+TEST_F(LocalizationMapToOdomTest, NamesAnOdometryFrameThatIsNotTheOneItPublishes) {
+  parameters_.setParam("tf_mode", "map_to_odom");
+  parameters_.setParam("odom_frame", "wheels");
+  startLocalized();
+  drive(0.2);
+  EXPECT_TRUE(listener_.waitForLog("odometry is given in 'odom' but tf goes to 'wheels'"));
+}
+
+TEST_F(LocalizationContractTest, PublishesNoTfWhenOff) {
+  parameters_.setParam("tf_mode", "off");
+  startLocalized();
+  drive(0.5);
+  expectLocalized();
+  EXPECT_TRUE(listener_.transformsFrom("map").empty());
+}
+
+TEST_F(LocalizationContractTest, StripsLeadingSlashesOfFrames) {
+  parameters_.setParam("map_frame", "/map");
+  parameters_.setParam("particle_filter_frame", "/base_link");
+  startNode();
+  map_.publish(toMessage(testRoom(), "/map", ros::Time(1.0)));
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  auto start = startMessage(car_.baseInMap());
+  start.header.frame_id = "/map";
+  initial_pose_.publish(start);
+  ASSERT_TRUE(listener_.waitForLog("localizing from"));
+  car_.laser_frame = "/laser";
+  car_.base_frame = "/base_link";
+  car_.odom_frame = "/odom";
+  const Newest<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
+  expectStillLocalizes();
+  expectCarAt("base_link");
+  EXPECT_EQ(listener_.poses().back().header.frame_id, "map");
+  ASSERT_TRUE(scan.get());
+  EXPECT_EQ(scan.get()->header.frame_id, "laser");
+}
+
+TEST_F(LocalizationContractTest, HonoursAnUpsideDownLidar) {
+  car_.laser_frame = "laser_upside_down";
+  car_.mount.upside_down = true;
+  startLocalized();
+  expectStillLocalizes();
+}
+
+/// As beside a simulator, which publishes the truth as map -> base_link.
+class LocalizationBesideTruthTest : public LocalizationContractTest {
+ protected:
+  void onTick() override {
+    geometry_msgs::TransformStamped truth = car_.baseInOdom();
+    truth.header.frame_id = "map";
+    truth.transform = toTransform(compose({0.3, -0.2, 0.5}, car_.baseInMap()));  // not ours
+    transforms_.sendTransform(truth);
+  }
+};
+
+TEST_F(LocalizationBesideTruthTest, LocalizesAFrameThatIsOnlyANameForTheEstimate) {
+  parameters_.setParam("particle_filter_frame", "base_link_pf");
+  startLocalized();
+  expectStillLocalizes();
+  EXPECT_EQ(listener_.poses().back().child_frame_id, "base_link_pf");
+  expectCarAt("base_link_pf");
+}
+
+}  // namespace
+}  // namespace racecar_mcl

@@ -1,0 +1,88 @@
+// Simulated time: bags that loop, and clocks that stand still.
+#include <rosgraph_msgs/Clock.h>
+
+#include "support/localization_fixture.h"
+
+namespace racecar_mcl {
+namespace {
+
+class LocalizationTimeTest : public LocalizationTest {
+ protected:
+  LocalizationTimeTest() : clock_(handle_.advertise<rosgraph_msgs::Clock>("/clock", 10)) {
+    car_.setStamp(kBegin);
+    publishClock();
+  }
+
+  void onTick() override { publishClock(); }
+
+  void publishClock() {
+    rosgraph_msgs::Clock clock;
+    clock.clock = ros::Time(car_.stamp());
+    clock_.publish(clock);
+  }
+
+  static constexpr double kBegin = 100.0;  // s
+  ros::Publisher clock_;
+};
+
+TEST_F(LocalizationTimeTest, StartsABagThatLoopsAtInitialPoseAgain) {
+  const Pose2 start = car_.baseInMap();
+  parameters_.setParam("initial_pose", std::vector<double>{start.x, start.y, start.yaw});
+  parameters_.setParam("initial_sigma", 0.1);
+  startNode();
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  for (int loop = 1; loop <= 3; ++loop) {
+    drive(2.2);  // not a whole round: the bag ends elsewhere
+    expectLocalized();
+    car_.place(start);
+    car_.setStamp(kBegin);
+    EXPECT_GT(drive(0.5), 9);
+    expectLocalized();
+    EXPECT_LT(listener_.poses().back().header.stamp.toSec(), kBegin + 0.6);
+    EXPECT_TRUE(listener_.waitForDiagnostic("time jumps", std::to_string(loop)));
+    EXPECT_EQ(listener_.logged("as when a bag loops: odometry starts again at initial_pose"), loop);
+  }
+}
+
+TEST_F(LocalizationTimeTest, KeepsThePoseOverALoopThatEndsWhereItBegan) {
+  startLocalized();
+  for (int loop = 0; loop < 3; ++loop) {
+    drive(2.0);
+    expectLocalized();
+    car_.setStamp(kBegin);
+  }
+  drive(1.0);
+  expectLocalized();
+  EXPECT_TRUE(listener_.waitForDiagnostic("time jumps", "3"));
+}
+
+TEST_F(LocalizationTimeTest, TakesAScanBeforeOdometryAfterALoop) {
+  startLocalized();
+  drive(3.0);
+  car_.setStamp(kBegin);
+  publishClock();
+  sendScan(car_.scan(), 0.1);
+  EXPECT_TRUE(listener_.waitForDiagnostic("time jumps", "1"));
+  expectStillLocalizes();
+  EXPECT_TRUE(listener_.waitForDiagnostic("time jumps", "1"));
+}
+
+TEST_F(LocalizationTimeTest, LocalizesOnWhileTheClockStandsStill) {
+  startLocalized();
+  const rosgraph_msgs::Clock stopped;
+  for (int i = 0; i < 20; ++i) {
+    car_.advance(0.04);
+    clock_.publish(stopped);
+    odometry_.publish(car_.odometry());
+    EXPECT_TRUE(sendScan(car_.scan()));
+  }
+  expectLocalized();
+  sensor_msgs::LaserScan empty = car_.scan();
+  empty.ranges.clear();
+  scans_.publish(empty);
+  EXPECT_TRUE(listener_.waitForLog("the scan is empty")) << "at time 0 too";
+}
+
+}  // namespace
+}  // namespace racecar_mcl
