@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -14,69 +12,101 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every #include of every source file under a folder, as "file: name".
-std::vector<std::string> includesUnder(const std::string& folder) {
-  std::vector<std::string> includes;
+struct Include {
+  std::string file;
+  std::string name;
+};
+
+/// Every #include of every source file under a folder.
+std::vector<Include> includesUnder(const std::string& folder) {
+  std::vector<Include> includes;
   const fs::path root = fs::path(RACECAR_MCL_SOURCE_DIR) / folder;
-  const std::regex include(R"rx(^\s*#\s*include\s*[<"]([^>"]+)[>"].*$)rx");
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
     const std::string extension = entry.path().extension().string();
     if (extension != ".h" && extension != ".hpp" && extension != ".cpp") continue;
     std::ifstream file(entry.path());
     for (std::string line; std::getline(file, line);) {
-      std::smatch parts;
-      if (!std::regex_match(line, parts, include)) continue;
-      includes.push_back(entry.path().lexically_relative(root).string() + ": " + parts[1].str());
+      if (line.rfind("#include ", 0) != 0) continue;
+      const std::size_t open = line.find_first_of("<\"");
+      const std::size_t close = line.find_first_of(">\"", open + 1);
+      includes.push_back({entry.path().lexically_relative(root).string(),
+                          line.substr(open + 1, close - open - 1)});
     }
   }
   return includes;
 }
 
-std::vector<std::string> matching(const std::vector<std::string>& includes,
-                                  const std::string& pattern) {
+/// Those whose name starts with one of the given texts, as "file: name".
+std::vector<std::string> startingWith(const std::vector<std::string>& beginnings,
+                                      const std::vector<Include>& includes) {
   std::vector<std::string> found;
-  const std::regex forbidden(".*: (" + pattern + ")");
-  std::copy_if(includes.begin(), includes.end(), std::back_inserter(found),
-               [&](const std::string& line) { return std::regex_match(line, forbidden); });
+  for (const Include& include : includes) {
+    const bool starts = std::any_of(
+        beginnings.begin(), beginnings.end(),
+        [&](const std::string& beginning) { return include.name.rfind(beginning, 0) == 0; });
+    if (starts) found.push_back(include.file + ": " + include.name);
+  }
   return found;
 }
 
 using None = std::vector<std::string>;
 
-constexpr const char* kRos =
-    "ros/.*|ros\\w*/.*|tf2?/.*|tf2_\\w+/.*|\\w+_msgs/.*|\\w+_srvs/.*|nodelet/.*|pluginlib/.*|"
-    "XmlRpc.*|xmlrpcpp/.*|boost/.*";
+const std::vector<std::string> kRos{"ros/",
+                                    "rosbag/",
+                                    "roscpp/",
+                                    "rosgraph_msgs/",
+                                    "std_msgs/",
+                                    "std_srvs/",
+                                    "geometry_msgs/",
+                                    "sensor_msgs/",
+                                    "nav_msgs/",
+                                    "diagnostic_msgs/",
+                                    "visualization_msgs/",
+                                    "tf/",
+                                    "tf2/",
+                                    "tf2_ros/",
+                                    "tf2_msgs/",
+                                    "tf2_geometry_msgs/",
+                                    "nodelet/",
+                                    "pluginlib/",
+                                    "XmlRpc",
+                                    "xmlrpcpp/",
+                                    "boost/"};
 
 class RosFree : public testing::TestWithParam<const char*> {};
 
-TEST_P(RosFree, KnowsNoRos) { EXPECT_EQ(matching(includesUnder(GetParam()), kRos), None{}); }
+TEST_P(RosFree, KnowsNoRos) { EXPECT_EQ(startingWith(kRos, includesUnder(GetParam())), None{}); }
 
 INSTANTIATE_TEST_SUITE_P(Folders, RosFree,
                          testing::Values("include/racecar_mcl", "src/core", "src/sim", "test/unit",
                                          "test/contract"));
 
-TEST(PublicHeaders, KeepOpenCvAndYamlToThemselves) {
-  EXPECT_EQ(matching(includesUnder("include/racecar_mcl"), "opencv2?/.*|yaml-cpp/.*"), None{});
+TEST(RosCode, IsWhatTheTestWouldFind) {
+  EXPECT_FALSE(startingWith(kRos, includesUnder("src/ros")).empty());
 }
 
-TEST(PublicHeaders, IncludeNothingPrivate) {
-  for (const std::string& include : includesUnder("include/racecar_mcl")) {
-    const std::string name = include.substr(include.find(": ") + 2);
-    if (name.find('/') == std::string::npos) continue;  // the standard library's
-    EXPECT_TRUE(name.rfind("racecar_mcl/", 0) == 0 || name.rfind("Eigen/", 0) == 0) << include;
+TEST(PublicHeaders, IncludeOnlyEachOtherEigenAndTheStandardLibrary) {
+  for (const Include& include : includesUnder("include/racecar_mcl")) {
+    const bool standard = include.name.find('/') == std::string::npos;
+    EXPECT_TRUE(standard || include.name.rfind("racecar_mcl/", 0) == 0 ||
+                include.name.rfind("Eigen/", 0) == 0)
+        << include.file << ": " << include.name;
   }
 }
 
 TEST(Core, ReadsNoClockAndDrawsNoNumbersOfItsOwn) {
-  EXPECT_EQ(matching(includesUnder("src/core"), "chrono|ctime|random|time\\.h"), None{});
-  EXPECT_EQ(matching(includesUnder("include/racecar_mcl"), "chrono|ctime|random|time\\.h"), None{});
+  const std::vector<std::string> forbidden{"chrono", "ctime", "random", "time.h"};
+  EXPECT_EQ(startingWith(forbidden, includesUnder("src/core")), None{});
+  EXPECT_EQ(startingWith(forbidden, includesUnder("include/racecar_mcl")), None{});
 }
 
 TEST(SimulatedCar, SeesTheWorldWithItsOwnEyes) {
   // Agreement with the filter means something only where the simulator shares none of its casters.
-  EXPECT_EQ(matching(includesUnder("src/sim"),
-                     "range_casters/.*|racecar_mcl/(range_caster|distance_field|likelihood_field|"
-                     "beam_model|sensor_table|particle_filter|localizer)\\.h"),
+  EXPECT_EQ(startingWith({"range_casters/", "racecar_mcl/range_caster",
+                          "racecar_mcl/distance_field", "racecar_mcl/likelihood_field",
+                          "racecar_mcl/beam_model", "racecar_mcl/sensor_table",
+                          "racecar_mcl/particle_filter", "racecar_mcl/localizer"},
+                         includesUnder("src/sim")),
             None{});
 }
 
