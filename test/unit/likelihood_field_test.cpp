@@ -145,10 +145,11 @@ TEST(LikelihoodFieldParameters, RefuseWhatCannotBe) {
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_NO_THROW(validate(LikelihoodFieldParameters{}));
   const LikelihoodFieldParameters bad[] = {
-      {0.0, 0.05, 10.0, 1.0},  {-0.1, 0.05, 10.0, 1.0}, {nan, 0.05, 10.0, 1.0},
-      {1e-300, 0.05, 10., 1.}, {0.2, 0.0, 10.0, 1.0},   {0.2, 1.0, 10.0, 1.0},
-      {0.2, nan, 10.0, 1.0},   {0.2, 0.05, 0.0, 1.0},   {0.2, 0.05, inf, 1.0},
-      {0.2, 0.05, 10.0, 0.0},  {0.2, 0.05, 10.0, -6.0}, {0.2, 0.05, 10.0, 1e-300}};
+      {0.0, 0.05, 10.0, 1.0},       {-0.1, 0.05, 10.0, 1.0},     {nan, 0.05, 10.0, 1.0},
+      {1e-300, 0.05, 10., 1.},      {0.2, 0.0, 10.0, 1.0},       {0.2, 1.0, 10.0, 1.0},
+      {0.2, nan, 10.0, 1.0},        {0.2, 0.05, 0.0, 1.0},       {0.2, 0.05, inf, 1.0},
+      {0.2, 0.05, 10.0, 0.0},       {0.2, 0.05, 10.0, -6.0},     {0.2, 0.05, 10.0, 1e-300},
+      {0.2, 0.05, 10.0, 1.0, -0.1}, {0.2, 0.05, 10.0, 1.0, 1.1}, {0.2, 0.05, 10.0, 1.0, nan}};
   for (const LikelihoodFieldParameters& parameters : bad) {
     EXPECT_THROW(validate(parameters), ParameterError);
     EXPECT_THROW(LikelihoodField(asciiMap(kWallOnTheRight, 0.1), parameters), ParameterError);
