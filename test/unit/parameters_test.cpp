@@ -98,7 +98,6 @@ TEST(ReportConfiguration, HoldsTheReportsConstants) {
   EXPECT_EQ(p.motion.constant_yaw_sigma, 0.03);
   EXPECT_EQ(p.num_beams_per_particle, 100);
   EXPECT_EQ(p.scan_field_of_view, 4.71);
-  EXPECT_FALSE(p.deskew);
   EXPECT_EQ(p.sensor.sensor_model, SensorModel::kBeam);
   EXPECT_EQ(p.sensor.beam.table.alpha_hit, 0.74);
   EXPECT_EQ(p.sensor.beam.table.alpha_short, 0.07);
@@ -178,7 +177,7 @@ TEST(Parameters, EveryOneChangesOnlyItself) {
     Texts expected = parameterTexts(LocalizerParameters{});
     bool changed = false;
     for (const char* other : {"0.625", "77", "true", "false", "best", "constant", "multinomial",
-                              "occupied", "pose", "likelihood_field", "bresenham"}) {
+                              "occupied", "pose", "beam", "likelihood_field", "bresenham"}) {
       LocalizerParameters parameters;
       try {
         setParameter(name, other, &parameters);

@@ -42,6 +42,7 @@ BeamModelParameters beamModel() {
 
 SensorParameters sensor(const BeamModelParameters& beam, double max_range = 0.0) {
   SensorParameters parameters;
+  parameters.sensor_model = SensorModel::kBeam;
   parameters.caster = {"bresenham", max_range, UnknownIs::kFree};
   parameters.beam = beam;
   return parameters;
@@ -131,10 +132,14 @@ class GridPosterior {
     for (Eigen::Index i = 0; i < set_.size(); ++i) {
       lidars.setPose(i, compose(set_.pose(i), scan.laser_in_base));
     }
-    Eigen::ArrayXXf ranges(scan.size(), set_.size());
-    map.caster->cast(lidars.poses(), scan.bearings, ranges);
     Eigen::ArrayXd log_likelihoods(set_.size());
-    map.beam_model.logLikelihood(scan.ranges, ranges, log_likelihoods);
+    if (map.likelihood_field) {
+      map.likelihood_field->logLikelihood(lidars.poses(), scan, log_likelihoods);
+    } else {
+      Eigen::ArrayXXf ranges(scan.size(), set_.size());
+      map.caster->cast(lidars.poses(), scan.bearings, ranges);
+      map.beam_model.logLikelihood(scan.ranges, ranges, log_likelihoods);
+    }
     set_.log_weight += log_likelihoods;
     normalizeLogWeights(&set_.log_weight);
   }
@@ -182,8 +187,13 @@ void expectAgrees(const PoseEstimate& measured, const PoseEstimate& expected, do
   }
 }
 
-TEST(ParticleFilter, OneScanGivesTheIntegratedPosterior) {
-  const std::shared_ptr<MapModel> map = room();
+class OneScan : public testing::TestWithParam<SensorModel> {};
+
+TEST_P(OneScan, GivesTheIntegratedPosterior) {
+  SensorParameters parameters = sensor(beamModel());
+  parameters.sensor_model = GetParam();
+  parameters.field = {0.2, 0.1, 30.0, 1.0, 0.5};
+  const std::shared_ptr<MapModel> map = makeMapModel(room()->grid, parameters);
   const Scan scan = scanFrom(*map, kTruth);
   const Pose2 guess{kTruth.x + 0.1, kTruth.y - 0.05, kTruth.yaw - 0.08};
   const Eigen::Vector3d sigma(0.15, 0.12, 0.15);
@@ -198,6 +208,9 @@ TEST(ParticleFilter, OneScanGivesTheIntegratedPosterior) {
   EXPECT_LT(posterior.estimate().covariance(0, 0), 0.6 * sigma[0] * sigma[0]);
   EXPECT_LT(posterior.estimate().covariance(2, 2), 0.6 * sigma[2] * sigma[2]);
 }
+
+INSTANTIATE_TEST_SUITE_P(SensorModels, OneScan,
+                         testing::Values(SensorModel::kBeam, SensorModel::kLikelihoodField));
 
 struct Resampled {
   double threshold;
