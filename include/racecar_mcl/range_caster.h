@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/pose.h"
 
 namespace racecar_mcl {
 
@@ -16,6 +17,8 @@ struct PoseBatch {
   const double* y = nullptr;
   const double* yaw = nullptr;
   Eigen::Index size = 0;
+
+  Pose2 pose(Eigen::Index i) const { return {x[i], y[i], yaw[i]}; }
 
   PoseBatch segment(Eigen::Index first, Eigen::Index count) const {
     return {x + first, y + first, yaw + first, count};

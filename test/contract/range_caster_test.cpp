@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <thread>
 
 #include "caster_reference.h"
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/random.h"
+#include "range_casters/simd_caster.h"
+#include "support/ascii_map.h"
 
 namespace racecar_mcl {
 namespace {
@@ -26,19 +29,42 @@ struct Promise {
 
 Promise promiseOf(const std::string& name) {
   if (name == "bresenham" || name == "distance_transform") return {1e-4, 1e-3, 1e-3};
+  if (name.rfind("simd", 0) == 0) return {5e-4, 1e-3, 1e-2};
   throw std::invalid_argument("state what " + name + " promises");
 }
 
-const std::vector<std::string> kRoom = {
-    "####################",  //
-    "#..................#",  //
-    "#..................#",  //
-    "#..................#",  //
-    "#..................#",  //
-    "#..................#",  //
-    "#..................#",  //
-    "####################",
+const char* const kRoom = R"(
+    ####################
+    #..................#
+    #..................#
+    #..................#
+    #..................#
+    #..................#
+    #..................#
+    ####################)";
+
+/// A caster under test: by its public name, or the vectorised one held to an instruction set.
+struct Subject {
+  std::string name;
+  std::function<std::unique_ptr<RangeCaster>(const OccupancyGrid&, RangeCasterParameters)> make;
 };
+
+std::vector<Subject> subjects() {
+  std::vector<Subject> all;
+  for (const std::string& name : rangeCasterNames()) {
+    all.push_back({name, [name](const OccupancyGrid& grid, RangeCasterParameters parameters) {
+                     parameters.range_method = name;
+                     return makeRangeCaster(grid, parameters);
+                   }});
+  }
+  for (const InstructionSet set : availableInstructionSets()) {
+    all.push_back({std::string("simd_") + nameOf(set),
+                   [set](const OccupancyGrid& grid, const RangeCasterParameters& parameters) {
+                     return std::make_unique<SimdCaster>(grid, parameters, set);
+                   }});
+  }
+  return all;
+}
 
 /// Poses one by one, for tests of a few rays.
 struct Poses {
@@ -55,15 +81,14 @@ struct Poses {
   std::vector<double> x, y, yaw;
 };
 
-class RangeCasterContract : public testing::TestWithParam<std::string> {
+class RangeCasterContract : public testing::TestWithParam<Subject> {
  protected:
   std::unique_ptr<RangeCaster> makeCaster(const OccupancyGrid& grid, double max_range = 100.0,
                                           UnknownIs unknown_is = UnknownIs::kFree) const {
     RangeCasterParameters parameters;
-    parameters.range_method = GetParam();
     parameters.max_range = max_range;
     parameters.unknown_is = unknown_is;
-    return makeRangeCaster(grid, parameters);
+    return GetParam().make(grid, parameters);
   }
 
   static Eigen::ArrayXXf castAll(RangeCaster& caster, const std::vector<Pose2>& list,
@@ -80,12 +105,12 @@ class RangeCasterContract : public testing::TestWithParam<std::string> {
   }
 
   double tolerance(double resolution = 1.0) const {
-    return promiseOf(GetParam()).flat_wall * resolution;
+    return promiseOf(GetParam().name).flat_wall * resolution;
   }
 };
 
 TEST_P(RangeCasterContract, MeasuresARoomFromTheInside) {
-  const auto caster = makeCaster(gridFromLines(kRoom));
+  const auto caster = makeCaster(asciiMap(kRoom));
   // Inner walls at x = 1 and 19, y = 1 and 7.
   const Pose2 pose{5.25, 2.5, 0.0};
   EXPECT_NEAR(castOne(*caster, pose), 13.75, tolerance());
@@ -98,7 +123,7 @@ TEST_P(RangeCasterContract, MeasuresARoomFromTheInside) {
 }
 
 TEST_P(RangeCasterContract, AddsTheBearingToTheYaw) {
-  const auto caster = makeCaster(gridFromLines(kRoom));
+  const auto caster = makeCaster(asciiMap(kRoom));
   Eigen::ArrayXf bearings(3);
   bearings << static_cast<float>(-kPi / 2), 0.0F, static_cast<float>(kPi / 2);
   const Eigen::ArrayXXf ranges = castAll(*caster, {{5.25, 2.5, kPi / 2}, {8, 4, 0}}, bearings);
@@ -112,7 +137,7 @@ TEST_P(RangeCasterContract, AddsTheBearingToTheYaw) {
 
 TEST_P(RangeCasterContract, HonoursResolutionAndTheOriginsPose) {
   const Pose2 origin{-3.0, 7.0, 3.14};
-  const auto caster = makeCaster(gridFromLines(kRoom, 0.05, origin));
+  const auto caster = makeCaster(asciiMap(kRoom, 0.05, origin));
   const Pose2 in_grid{5.25 * 0.05, 2.5 * 0.05, 0.7};
   const Pose2 in_map = compose(origin, in_grid);
   const double to_top = 4.5 * 0.05 / std::sin(0.7);
@@ -122,15 +147,15 @@ TEST_P(RangeCasterContract, HonoursResolutionAndTheOriginsPose) {
 }
 
 TEST_P(RangeCasterContract, NeverExceedsMaxRange) {
-  const auto caster = makeCaster(gridFromLines(kRoom), 5.0);
+  const auto caster = makeCaster(asciiMap(kRoom), 5.0);
   EXPECT_FLOAT_EQ(castOne(*caster, {5.25, 2.5, 0.0}), 5.0F);
   EXPECT_NEAR(castOne(*caster, {5.25, 2.5, kPi}), 4.25, tolerance());
-  const auto myopic = makeCaster(gridFromLines(kRoom), 0.25);
+  const auto myopic = makeCaster(asciiMap(kRoom), 0.25);
   EXPECT_FLOAT_EQ(castOne(*myopic, {5.25, 2.5, 0.3}), 0.25F);
 }
 
 TEST_P(RangeCasterContract, GivesZeroFromInsideAnObstacle) {
-  const auto caster = makeCaster(gridFromLines(kRoom));
+  const auto caster = makeCaster(asciiMap(kRoom));
   for (const double yaw : {0.0, 1.0, 2.5, -2.0}) {
     EXPECT_EQ(castOne(*caster, {0.5, 3.2, yaw}), 0.0);
     EXPECT_EQ(castOne(*caster, {19.5, 7.5, yaw}), 0.0);
@@ -138,7 +163,7 @@ TEST_P(RangeCasterContract, GivesZeroFromInsideAnObstacle) {
 }
 
 TEST_P(RangeCasterContract, PassesThroughTheOutsideWhereUnknownIsFree) {
-  const auto caster = makeCaster(gridFromLines({"...", "...", "..#", "...", "..."}), 50.0);
+  const auto caster = makeCaster(asciiMap("... ... ..# ... ..."), 50.0);
   EXPECT_FLOAT_EQ(castOne(*caster, {1.5, 1.5, 0.0}), 50.0F);            // out of the map
   EXPECT_NEAR(castOne(*caster, {-10.0, 2.5, 0.0}), 12.0, tolerance());  // in, and onto the wall
   EXPECT_NEAR(castOne(*caster, {20.0, 2.5, kPi}), 17.0, tolerance());
@@ -151,8 +176,7 @@ TEST_P(RangeCasterContract, PassesThroughTheOutsideWhereUnknownIsFree) {
 }
 
 TEST_P(RangeCasterContract, EndsAtTheOutsideWhereUnknownIsOccupied) {
-  const auto caster =
-      makeCaster(gridFromLines({"...", "...", "..#", "...", "..."}), 50.0, UnknownIs::kOccupied);
+  const auto caster = makeCaster(asciiMap("... ... ..# ... ..."), 50.0, UnknownIs::kOccupied);
   EXPECT_NEAR(castOne(*caster, {1.5, 1.25, 0.0}), 1.5, tolerance());
   EXPECT_NEAR(castOne(*caster, {1.5, 1.25, kPi}), 1.5, tolerance());
   EXPECT_NEAR(castOne(*caster, {1.5, 1.25, -kPi / 2}), 1.25, tolerance());
@@ -163,7 +187,7 @@ TEST_P(RangeCasterContract, EndsAtTheOutsideWhereUnknownIsOccupied) {
 }
 
 TEST_P(RangeCasterContract, TakesUnknownCellsForWhatItIsTold) {
-  const OccupancyGrid grid = gridFromLines({"######", "#..??#", "#..??#", "######"});
+  const OccupancyGrid grid = asciiMap("###### #..??# #..??# ######");
   EXPECT_NEAR(castOne(*makeCaster(grid), {1.5, 1.5, 0.0}), 3.5, tolerance());
   const auto caster = makeCaster(grid, 100.0, UnknownIs::kOccupied);
   EXPECT_NEAR(castOne(*caster, {1.5, 1.5, 0.0}), 1.5, tolerance());
@@ -172,7 +196,7 @@ TEST_P(RangeCasterContract, TakesUnknownCellsForWhatItIsTold) {
 
 TEST_P(RangeCasterContract, AnswersPosesThatAreNotFiniteWithMaxRange) {
   for (const UnknownIs unknown_is : {UnknownIs::kFree, UnknownIs::kOccupied}) {
-    const auto caster = makeCaster(gridFromLines(kRoom), 30.0, unknown_is);
+    const auto caster = makeCaster(asciiMap(kRoom), 30.0, unknown_is);
     for (const double bad : {kNan, kInfinity, -kInfinity}) {
       EXPECT_FLOAT_EQ(castOne(*caster, {bad, 2.0, 0.0}), 30.0F);
       EXPECT_FLOAT_EQ(castOne(*caster, {2.0, bad, 0.0}), 30.0F);
@@ -188,7 +212,7 @@ TEST_P(RangeCasterContract, AnswersPosesThatAreNotFiniteWithMaxRange) {
 
 TEST_P(RangeCasterContract, SurvivesHugeCoordinates) {
   for (const UnknownIs unknown_is : {UnknownIs::kFree, UnknownIs::kOccupied}) {
-    const auto caster = makeCaster(gridFromLines(kRoom, 0.05, {1.0, 2.0, 0.3}), 30.0, unknown_is);
+    const auto caster = makeCaster(asciiMap(kRoom, 0.05, {1.0, 2.0, 0.3}), 30.0, unknown_is);
     const double outside = unknown_is == UnknownIs::kFree ? 30.0 : 0.0;
     for (const double far : {1e5, 1e10, 1e18, 1e38, 1e300, 1.7e308}) {
       for (const double yaw : {0.0, 1.0, kPi, -2.0}) {
@@ -204,26 +228,26 @@ TEST_P(RangeCasterContract, SurvivesHugeCoordinates) {
 }
 
 TEST_P(RangeCasterContract, AcceptsAMaxRangeFarBeyondTheMap) {
-  const auto caster = makeCaster(gridFromLines(kRoom), 1e12);
+  const auto caster = makeCaster(asciiMap(kRoom), 1e12);
   EXPECT_NEAR(castOne(*caster, {5.25, 2.5, 0.0}), 13.75, tolerance());
-  const auto open = makeCaster(gridFromLines({"...", "...", "..."}), 1e12);
+  const auto open = makeCaster(asciiMap("... ... ..."), 1e12);
   EXPECT_FLOAT_EQ(castOne(*open, {1.5, 1.5, 0.4}), 1e12F);
 }
 
 TEST_P(RangeCasterContract, WorksOnASingleCell) {
-  EXPECT_FLOAT_EQ(castOne(*makeCaster(gridFromLines({"."}), 9.0), {0.5, 0.5, 0.0}), 9.0F);
-  EXPECT_EQ(castOne(*makeCaster(gridFromLines({"#"}), 9.0), {0.5, 0.5, 0.0}), 0.0);
-  EXPECT_NEAR(castOne(*makeCaster(gridFromLines({"#"}), 9.0), {-1.5, 0.5, 0.0}), 1.5, tolerance());
+  EXPECT_FLOAT_EQ(castOne(*makeCaster(asciiMap("."), 9.0), {0.5, 0.5, 0.0}), 9.0F);
+  EXPECT_EQ(castOne(*makeCaster(asciiMap("#"), 9.0), {0.5, 0.5, 0.0}), 0.0);
+  EXPECT_NEAR(castOne(*makeCaster(asciiMap("#"), 9.0), {-1.5, 0.5, 0.0}), 1.5, tolerance());
 }
 
 TEST_P(RangeCasterContract, AcceptsNothingToDo) {
-  const auto caster = makeCaster(gridFromLines(kRoom));
+  const auto caster = makeCaster(asciiMap(kRoom));
   EXPECT_EQ(castAll(*caster, {}, Eigen::ArrayXf::Zero(3)).size(), 0);
   EXPECT_EQ(castAll(*caster, {{5, 3, 0}}, Eigen::ArrayXf()).size(), 0);
 }
 
 TEST_P(RangeCasterContract, RefusesRangesOfAnotherShape) {
-  const auto caster = makeCaster(gridFromLines(kRoom));
+  const auto caster = makeCaster(asciiMap(kRoom));
   const Poses poses({{5, 3, 0}, {6, 3, 0}});
   const Eigen::ArrayXf bearings = Eigen::ArrayXf::Zero(3);
   Eigen::ArrayXXf ranges(2, 3);
@@ -284,7 +308,7 @@ TEST_P(RangeCasterContract, AgreesWithTheDefinitionOnRandomMaps) {
       }
     }
     std::sort(errors.begin(), errors.end());
-    const Promise promise = promiseOf(GetParam());
+    const Promise promise = promiseOf(GetParam().name);
     const auto quantile = [&](double share) {
       return errors[static_cast<std::size_t>(share * static_cast<double>(errors.size() - 1))];
     };
@@ -330,17 +354,32 @@ TEST_P(RangeCasterContract, CastsFromSeveralThreadsAtOnce) {
 }
 
 TEST_P(RangeCasterContract, TellsItsMemory) {
-  EXPECT_GE(makeCaster(gridFromLines(kRoom))->memoryBytes(), 160U);
+  EXPECT_GE(makeCaster(asciiMap(kRoom))->memoryBytes(), 160U);
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryCaster, RangeCasterContract, testing::ValuesIn(rangeCasterNames()),
-                         [](const auto& instance) { return instance.param; });
+INSTANTIATE_TEST_SUITE_P(EveryCaster, RangeCasterContract, testing::ValuesIn(subjects()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(SimdCaster, GivesTheSameBitsWithEveryInstructionSet) {
+  RandomWorld world(10, 300, 200);
+  RangeCasterParameters parameters;
+  parameters.max_range = 8.0;
+  const Eigen::ArrayXf bearings = fan(301);  // more than are handled at once
+  const Poses poses(world.poses(50, 4.0));
+  Eigen::ArrayXXf expected;
+  for (const InstructionSet set : availableInstructionSets()) {
+    Eigen::ArrayXXf ranges(bearings.size(), poses.batch().size);
+    SimdCaster(*world.grid, parameters, set).cast(poses.batch(), bearings, ranges);
+    if (expected.size() == 0) expected = ranges;
+    EXPECT_TRUE((ranges == expected).all()) << nameOf(set);
+  }
+}
 
 TEST(MakeRangeCaster, RefusesAnUnknownName) {
   RangeCasterParameters parameters;
   parameters.range_method = "crystal_ball";
   try {
-    makeRangeCaster(gridFromLines(kRoom), parameters);
+    makeRangeCaster(asciiMap(kRoom), parameters);
     FAIL();
   } catch (const ParameterError& error) {
     EXPECT_NE(std::string(error.what()).find("crystal_ball"), std::string::npos);
@@ -352,7 +391,7 @@ TEST(MakeRangeCaster, RefusesARangeThatIsNotPositiveAndFinite) {
   for (const double bad : {0.0, -1.0, kInfinity, kNan}) {
     RangeCasterParameters parameters;
     parameters.max_range = bad;
-    EXPECT_THROW(makeRangeCaster(gridFromLines(kRoom), parameters), ParameterError) << bad;
+    EXPECT_THROW(makeRangeCaster(asciiMap(kRoom), parameters), ParameterError) << bad;
   }
 }
 

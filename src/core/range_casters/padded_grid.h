@@ -50,11 +50,12 @@ class PaddedGrid {
            static_cast<std::size_t>(column);
   }
 
-  PoseInCells toCells(double x, double y, double yaw) const;
+  PoseInCells toCells(const Pose2& in_map) const;
 
   /// Whether a position lies in the map, the ring excluded. False for what is not a number.
-  bool contains(double x, double y) const {
-    return x >= 1.0 && y >= 1.0 && x < geometry_.width + 1.0 && y < geometry_.height + 1.0;
+  bool contains(const PoseInCells& pose) const {
+    return pose.x >= 1.0 && pose.y >= 1.0 && pose.x < geometry_.width + 1.0 &&
+           pose.y < geometry_.height + 1.0;
   }
 
   /// Moves the origin of a ray from outside the map to where it enters it. Returns the distance

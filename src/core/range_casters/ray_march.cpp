@@ -1,0 +1,278 @@
+// The rays in flight stand in slots, one array per quantity. Each pass strides once with all of
+// them; after a few passes the rays that have ended give their slots to the next ones. All loops
+// are plain: the compiler turns them into vector code for each instruction set. Only fetching
+// clearances stays scalar, which measured no slower than the processors' gather instructions.
+//
+// A position is ox + t dx, in cells, with ox counted from a corner `reach` cells before the pose's
+// own cell: small enough for float (1.5e-5 cells at 200 cells), and positive, so that truncation
+// finds the cell. To make sure that the next cell is another one, a stride ends `across` beyond the
+// border; a corner that a ray clips by less is missed. The range itself comes from the border of
+// the cell that was hit and has no such error.
+#include "range_casters/ray_march.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "range_casters/beam_directions.h"
+
+// Inlined into one function per instruction set, and compiled anew there.
+#define RACECAR_MCL_INLINE inline __attribute__((always_inline))
+
+namespace racecar_mcl {
+namespace {
+
+constexpr double kLongestMarch = 16384.0;  // cells; the rounding of positions grows with it
+constexpr int kSlots = 512;          // x 12 arrays x 4 bytes = 24 KB, within the first-level cache
+constexpr int kWidest = 16;          // floats in the widest vector
+constexpr int kStridesPerRound = 5;  // between two looks for rays that have ended
+
+using Beams = BeamDirections<float>;
+
+struct alignas(64) Slots {
+  // Per ray
+  std::array<float, kSlots> ox, oy;  ///< the pose, from the corner
+  std::array<float, kSlots> dx, dy;  ///< direction
+  std::array<float, kSlots> ix, iy;  ///< 1 / direction
+  std::array<int, kSlots> corner;    ///< the corner's index in the field
+  std::array<float*, kSlots> range;  ///< where the result goes
+  // Per stride
+  std::array<float, kSlots> t;        ///< cells from the pose
+  std::array<int, kSlots> cell;       ///< index in the field at t
+  std::array<int, kSlots> clearance;  ///< there
+};
+
+/// What is the same for all rays.
+struct Frame {
+  explicit Frame(const MarchOrder& order)
+      : field(order.field.data()),
+        row(order.grid.width()),
+        reach(static_cast<int>(order.limit) + 2),
+        limit(static_cast<float>(order.limit)),
+        across(std::max(0x1p-12F, static_cast<float>(reach) * 0x1p-19F)),
+        resolution(static_cast<float>(order.grid.resolution())),
+        max_range(static_cast<float>(order.max_range)) {}
+
+  const std::uint8_t* field;
+  int row;       ///< cells from one row to the next
+  int reach;     ///< cells from the corner to the pose's cell
+  float limit;   ///< cells
+  float across;  ///< cells; eight times the rounding of a position
+  float resolution;
+  float max_range;
+};
+
+RACECAR_MCL_INLINE bool hasEnded(int clearance) { return clearance > ClearanceField::kLongest; }
+
+RACECAR_MCL_INLINE void fetch(const Frame& frame, Slots& s, int i) {
+  s.clearance[i] = frame.field[s.cell[i]];
+}
+
+RACECAR_MCL_INLINE void stride(const Frame& frame, Slots& s, int count) {
+  const float half = 0.5F + frame.across;
+  const float limit = frame.limit;
+  const int field_row = frame.row;
+  for (int i = 0; i < count; ++i) {
+    const float column = static_cast<float>(static_cast<int>(s.ox[i] + s.t[i] * s.dx[i]));
+    const float row = static_cast<float>(static_cast<int>(s.oy[i] + s.t[i] * s.dy[i]));
+    // The border a ray leaves its cell by is half a cell from the cell's centre.
+    const float exit_x = (column + 0.5F - s.ox[i]) * s.ix[i] + half * std::fabs(s.ix[i]);
+    const float exit_y = (row + 0.5F - s.oy[i]) * s.iy[i] + half * std::fabs(s.iy[i]);
+    float t = (exit_x < exit_y ? exit_x : exit_y) + static_cast<float>(s.clearance[i]);
+    t = t < limit ? t : limit;
+    t = hasEnded(s.clearance[i]) ? s.t[i] : t;
+    s.t[i] = t;
+    s.cell[i] = s.corner[i] + static_cast<int>(s.oy[i] + t * s.dy[i]) * field_row +
+                static_cast<int>(s.ox[i] + t * s.dx[i]);
+  }
+  for (int i = 0; i < count; ++i) fetch(frame, s, i);
+}
+
+RACECAR_MCL_INLINE int findEnded(const Frame& frame, const Slots& s, int count, int* ended) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) {
+    ended[found] = i;
+    found += static_cast<int>(hasEnded(s.clearance[i])) | static_cast<int>(s.t[i] >= frame.limit);
+  }
+  return found;
+}
+
+RACECAR_MCL_INLINE void writeRange(const Frame& frame, const Slots& s, int i) {
+  const float column = static_cast<float>(static_cast<int>(s.ox[i] + s.t[i] * s.dx[i]));
+  const float row = static_cast<float>(static_cast<int>(s.oy[i] + s.t[i] * s.dy[i]));
+  // The border it came in by; negative where the ray starts in an obstacle.
+  const float entry_x = (column + 0.5F - s.ox[i]) * s.ix[i] - 0.5F * std::fabs(s.ix[i]);
+  const float entry_y = (row + 0.5F - s.oy[i]) * s.iy[i] - 0.5F * std::fabs(s.iy[i]);
+  const float entry = std::max(0.0F, std::max(entry_x, entry_y));
+  const bool hit = s.clearance[i] == ClearanceField::kHit && entry < frame.limit;
+  *s.range[i] = hit ? entry * frame.resolution : frame.max_range;
+}
+
+/// The rays of a cast one after the other, pose by pose.
+class Rays {
+ public:
+  Rays(const MarchOrder& order, const Frame& frame, const Beams& beams)
+      : order_(order), frame_(frame), beams_(beams), next_beam_(static_cast<int>(beams.size)) {}
+
+  /// Of the poses so far.
+  bool allInMap() const { return all_in_map_; }
+
+  /// Puts the next ray into slot i; false when there is none.
+  RACECAR_MCL_INLINE bool next(Slots& s, int i) {
+    if (next_beam_ == static_cast<int>(beams_.size) && !nextPose()) return false;
+    const int k = next_beam_++;
+    s.ox[i] = ox_;
+    s.oy[i] = oy_;
+    s.dx[i] = dx_[k];
+    s.dy[i] = dy_[k];
+    s.ix[i] = ix_[k];
+    s.iy[i] = iy_[k];
+    s.corner[i] = corner_;
+    s.range[i] = &order_.ranges(beams_.index[k], pose_);
+    s.t[i] = 0.0F;
+    s.cell[i] = corner_ + frame_.reach * (frame_.row + 1);
+    fetch(frame_, s, i);
+    return true;
+  }
+
+ private:
+  RACECAR_MCL_INLINE bool nextPose() {
+    PoseInCells pose;
+    while (true) {
+      if (++pose_ >= order_.lidar_in_map.size) return false;
+      pose = order_.grid.toCells(order_.lidar_in_map.pose(pose_));
+      if (order_.grid.contains(pose) && std::isfinite(pose.cos_yaw)) break;
+      all_in_map_ = false;
+    }
+
+    const int column = static_cast<int>(pose.x);
+    const int row = static_cast<int>(pose.y);
+    const auto reach = static_cast<float>(frame_.reach);
+    // Rounding must not carry the pose into the next cell.
+    ox_ = std::min(reach + static_cast<float>(pose.x - column), reach + 1.0F - frame_.across);
+    oy_ = std::min(reach + static_cast<float>(pose.y - row), reach + 1.0F - frame_.across);
+    corner_ = (row - frame_.reach) * frame_.row + column - frame_.reach;
+
+    const auto c = static_cast<float>(pose.cos_yaw);
+    const auto s = static_cast<float>(pose.sin_yaw);
+    const int count = static_cast<int>(beams_.size);
+    for (int k = 0; k < count; ++k) {
+      constexpr float kLeast = 1e-12F;  // so that 1 / direction stays finite
+      const float dx = c * beams_.cosine[k] - s * beams_.sine[k];
+      const float dy = s * beams_.cosine[k] + c * beams_.sine[k];
+      dx_[k] = std::fabs(dx) < kLeast ? kLeast : dx;
+      dy_[k] = std::fabs(dy) < kLeast ? kLeast : dy;
+      ix_[k] = 1.0F / dx_[k];
+      iy_[k] = 1.0F / dy_[k];
+    }
+    next_beam_ = 0;
+    return true;
+  }
+
+  const MarchOrder& order_;
+  const Frame& frame_;
+  const Beams& beams_;
+  Eigen::Index pose_ = -1;
+  int next_beam_;
+  float ox_ = 0.0F;
+  float oy_ = 0.0F;
+  int corner_ = 0;
+  bool all_in_map_ = true;
+  alignas(64) std::array<float, Beams::kMost> dx_, dy_, ix_, iy_;
+};
+
+RACECAR_MCL_INLINE void move(Slots& s, int to, int from) {
+  const auto copy = [&](auto& array) { array[to] = array[from]; };
+  copy(s.ox), copy(s.oy), copy(s.dx), copy(s.dy), copy(s.ix), copy(s.iy);
+  copy(s.corner), copy(s.range), copy(s.t), copy(s.cell), copy(s.clearance);
+}
+
+RACECAR_MCL_INLINE bool marchAll(const MarchOrder& order) {
+  const Frame frame(order);
+  Slots slots{};
+  slots.clearance.fill(ClearanceField::kMiss);  // empty slots rest
+  std::array<int, kSlots + 1> ended;
+  bool all_in_map = true;
+  for (Eigen::Index first = 0; first < order.bearings.size();) {
+    const Beams beams(order.bearings, first);
+    first = beams.end;
+    if (beams.size == 0) continue;
+    Rays rays(order, frame, beams);
+    int count = 0;
+    while (count < kSlots && rays.next(slots, count)) ++count;
+    while (count > 0) {
+      const int whole_vectors = (count + kWidest - 1) / kWidest * kWidest;
+      for (int i = 0; i < kStridesPerRound; ++i) stride(frame, slots, whole_vectors);
+      // From the last slot on, so that a slot that fills a gap has itself been seen to.
+      for (int k = findEnded(frame, slots, count, ended.data()) - 1; k >= 0; --k) {
+        writeRange(frame, slots, ended[k]);
+        if (!rays.next(slots, ended[k])) move(slots, ended[k], --count);
+      }
+    }
+    all_in_map = all_in_map && rays.allInMap();
+  }
+  return all_in_map;
+}
+
+bool marchPortable(const MarchOrder& order) { return marchAll(order); }
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define RACECAR_MCL_X86 1
+#if defined(__clang__)
+#define RACECAR_MCL_WIDE
+#else
+#define RACECAR_MCL_WIDE ",prefer-vector-width=512"
+#endif
+__attribute__((target("avx2"))) bool marchAvx2(const MarchOrder& order) { return marchAll(order); }
+__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl" RACECAR_MCL_WIDE))) bool marchAvx512(
+    const MarchOrder& order) {
+  return marchAll(order);
+}
+#endif
+
+}  // namespace
+
+std::vector<InstructionSet> availableInstructionSets() {
+  std::vector<InstructionSet> sets = {InstructionSet::kPortable};
+#ifdef RACECAR_MCL_X86
+  if (__builtin_cpu_supports("avx2")) sets.push_back(InstructionSet::kAvx2);
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
+    sets.push_back(InstructionSet::kAvx512);
+  }
+#endif
+  return sets;
+}
+
+const char* nameOf(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::kAvx2:
+      return "avx2";
+    case InstructionSet::kAvx512:
+      return "avx512";
+    default:
+      return "portable";
+  }
+}
+
+bool marchServes(const PaddedGrid& grid, double limit) {
+  const double farthest_corner = (limit + 3.0) * (grid.width() + 1.0);
+  const double cells = static_cast<double>(grid.width()) * grid.height();
+  return limit <= kLongestMarch && farthest_corner + cells < std::numeric_limits<int>::max();
+}
+
+bool march(InstructionSet set, const MarchOrder& order) {
+  switch (set) {
+#ifdef RACECAR_MCL_X86
+    case InstructionSet::kAvx512:
+      return marchAvx512(order);
+    case InstructionSet::kAvx2:
+      return marchAvx2(order);
+#endif
+    default:
+      return marchPortable(order);
+  }
+}
+
+}  // namespace racecar_mcl
