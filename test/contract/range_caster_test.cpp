@@ -1,16 +1,12 @@
-// What every range caster promises, whatever its name.
+// What every range caster promises, whatever its name: the cases one can work out by hand.
 #include "racecar_mcl/range_caster.h"
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
-#include <thread>
 
-#include "caster_reference.h"
+#include "caster_contract.h"
 #include "racecar_mcl/errors.h"
-#include "racecar_mcl/random.h"
-#include "range_casters/simd_caster.h"
 #include "support/ascii_map.h"
 
 namespace racecar_mcl {
@@ -18,20 +14,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-/// How exact a caster says it is, in cells.
-struct Promise {
-  double flat_wall;            ///< where rays meet flat walls
-  double p95;                  ///< 95 % of the rays of a random map
-  double p999;                 ///< 99.9 % of them
-  double over_three = 0.0005;  ///< share of rays off by more than three cells
-};
-
-Promise promiseOf(const std::string& name) {
-  if (name == "bresenham" || name == "distance_transform") return {1e-4, 1e-3, 1e-3};
-  if (name.rfind("simd", 0) == 0) return {5e-4, 1e-3, 1e-2};
-  throw std::invalid_argument("state what " + name + " promises");
-}
 
 const char* const kRoom = R"(
     ####################
@@ -42,72 +24,6 @@ const char* const kRoom = R"(
     #..................#
     #..................#
     ####################)";
-
-/// A caster under test: by its public name, or the vectorised one held to an instruction set.
-struct Subject {
-  std::string name;
-  std::function<std::unique_ptr<RangeCaster>(const OccupancyGrid&, RangeCasterParameters)> make;
-};
-
-std::vector<Subject> subjects() {
-  std::vector<Subject> all;
-  for (const std::string& name : rangeCasterNames()) {
-    all.push_back({name, [name](const OccupancyGrid& grid, RangeCasterParameters parameters) {
-                     parameters.range_method = name;
-                     return makeRangeCaster(grid, parameters);
-                   }});
-  }
-  for (const InstructionSet set : availableInstructionSets()) {
-    all.push_back({std::string("simd_") + nameOf(set),
-                   [set](const OccupancyGrid& grid, const RangeCasterParameters& parameters) {
-                     return std::make_unique<SimdCaster>(grid, parameters, set);
-                   }});
-  }
-  return all;
-}
-
-/// Poses one by one, for tests of a few rays.
-struct Poses {
-  explicit Poses(const std::vector<Pose2>& list) {
-    for (const Pose2& pose : list) {
-      x.push_back(pose.x);
-      y.push_back(pose.y);
-      yaw.push_back(pose.yaw);
-    }
-  }
-  PoseBatch batch() const {
-    return {x.data(), y.data(), yaw.data(), static_cast<Eigen::Index>(x.size())};
-  }
-  std::vector<double> x, y, yaw;
-};
-
-class RangeCasterContract : public testing::TestWithParam<Subject> {
- protected:
-  std::unique_ptr<RangeCaster> makeCaster(const OccupancyGrid& grid, double max_range = 100.0,
-                                          UnknownIs unknown_is = UnknownIs::kFree) const {
-    RangeCasterParameters parameters;
-    parameters.max_range = max_range;
-    parameters.unknown_is = unknown_is;
-    return GetParam().make(grid, parameters);
-  }
-
-  static Eigen::ArrayXXf castAll(RangeCaster& caster, const std::vector<Pose2>& list,
-                                 const Eigen::ArrayXf& bearings) {
-    const Poses poses(list);
-    Eigen::ArrayXXf ranges = Eigen::ArrayXXf::Constant(bearings.size(), poses.batch().size, -1.0F);
-    caster.prepare(poses.batch(), bearings);
-    caster.cast(poses.batch(), bearings, ranges);
-    return ranges;
-  }
-
-  static double castOne(RangeCaster& caster, const Pose2& pose) {
-    return static_cast<double>(castAll(caster, {pose}, Eigen::ArrayXf::Zero(1))(0, 0));
-  }
-
-  double tolerance(double resolution = 1.0) const {
-    return promiseOf(GetParam().name).flat_wall * resolution;
-  }
-};
 
 TEST_P(RangeCasterContract, MeasuresARoomFromTheInside) {
   const auto caster = makeCaster(asciiMap(kRoom));
@@ -255,125 +171,12 @@ TEST_P(RangeCasterContract, RefusesRangesOfAnotherShape) {
   EXPECT_THROW(caster->cast(poses.batch(), bearings, ranges), std::invalid_argument);
 }
 
-/// A map with scattered obstacles and unknown cells, and poses in, on the edge of and around it.
-struct RandomWorld {
-  explicit RandomWorld(std::uint64_t seed, int width, int height) : random(seed) {
-    const GridGeometry geometry{width, height, 0.05, {-1.5, 0.7, 0.8}};
-    std::vector<std::int8_t> cells(static_cast<std::size_t>(width * height));
-    for (std::int8_t& cell : cells) {
-      const double chance = random.uniform();
-      cell = chance < 0.015  ? OccupancyGrid::kOccupied
-             : chance < 0.02 ? OccupancyGrid::kUnknown
-                             : OccupancyGrid::kFree;
-    }
-    grid = std::make_unique<OccupancyGrid>(geometry, std::move(cells));
-  }
-
-  std::vector<Pose2> poses(int count, double margin_cells) {
-    const GridGeometry& geometry = grid->geometry();
-    std::vector<Pose2> list;
-    while (static_cast<int>(list.size()) < count) {
-      const Eigen::Vector2d point =
-          gridToWorld(geometry, {random.uniform(-margin_cells, geometry.width + margin_cells),
-                                 random.uniform(-margin_cells, geometry.height + margin_cells)});
-      list.push_back({point.x(), point.y(), random.uniform(-4.0, 4.0)});
-    }
-    return list;
-  }
-
-  Random random;
-  std::unique_ptr<OccupancyGrid> grid;
-};
-
-Eigen::ArrayXf fan(int count) { return Eigen::ArrayXf::LinSpaced(count, -2.356F, 2.356F); }
-
-TEST_P(RangeCasterContract, AgreesWithTheDefinitionOnRandomMaps) {
-  const double max_range = 4.0;
-  const Eigen::ArrayXf bearings = fan(40);
-  for (const UnknownIs unknown_is : {UnknownIs::kFree, UnknownIs::kOccupied}) {
-    std::vector<double> errors;
-    for (const auto& [width, height] : {std::pair(120, 35), std::pair(40, 90)}) {
-      RandomWorld world(7, width, height);
-      const auto caster = makeCaster(*world.grid, max_range, unknown_is);
-      const std::vector<Pose2> poses = world.poses(60, 3.0);
-      const Eigen::ArrayXXf ranges = castAll(*caster, poses, bearings);
-      for (std::size_t i = 0; i < poses.size(); ++i) {
-        for (Eigen::Index k = 0; k < bearings.size(); ++k) {
-          const double expected = bruteForceRange(
-              *world.grid, unknown_is, max_range,
-              {poses[i].x, poses[i].y, poses[i].yaw + static_cast<double>(bearings[k])});
-          const double got = static_cast<double>(ranges(k, static_cast<Eigen::Index>(i)));
-          errors.push_back(std::abs(got - expected) / world.grid->geometry().resolution);
-        }
-      }
-    }
-    std::sort(errors.begin(), errors.end());
-    const Promise promise = promiseOf(GetParam().name);
-    const auto quantile = [&](double share) {
-      return errors[static_cast<std::size_t>(share * static_cast<double>(errors.size() - 1))];
-    };
-    EXPECT_LE(quantile(0.95), promise.p95);
-    EXPECT_LE(quantile(0.999), promise.p999);
-    EXPECT_LE(quantile(1.0 - promise.over_three), 3.0);
-  }
-}
-
-TEST_P(RangeCasterContract, CastsAChunkAsItCastsTheWhole) {
-  RandomWorld world(8, 150, 100);
-  const auto caster = makeCaster(*world.grid, 4.0);
-  const Eigen::ArrayXf bearings = fan(37);
-  const std::vector<Pose2> list = world.poses(101, 2.0);
-  const Eigen::ArrayXXf whole = castAll(*caster, list, bearings);
-
-  const Poses poses(list);
-  Eigen::ArrayXXf chunks(whole.rows(), whole.cols());
-  for (Eigen::Index first = 0; first < 101; first += 7) {
-    const Eigen::Index count = std::min<Eigen::Index>(7, 101 - first);
-    caster->cast(poses.batch().segment(first, count), bearings, chunks.middleCols(first, count));
-  }
-  EXPECT_TRUE((chunks == whole).all());
-}
-
-TEST_P(RangeCasterContract, CastsFromSeveralThreadsAtOnce) {
-  RandomWorld world(9, 150, 100);
-  const auto caster = makeCaster(*world.grid, 4.0);
-  const Eigen::ArrayXf bearings = fan(50);
-  const std::vector<Pose2> list = world.poses(200, 2.0);
-  const Eigen::ArrayXXf whole = castAll(*caster, list, bearings);
-
-  const Poses poses(list);
-  std::vector<Eigen::ArrayXXf> results(4, Eigen::ArrayXXf(whole.rows(), whole.cols()));
-  std::vector<std::thread> threads;
-  for (Eigen::ArrayXXf& result : results) {
-    threads.emplace_back([&, constant = static_cast<const RangeCaster*>(caster.get())] {
-      constant->cast(poses.batch(), bearings, result);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  for (const Eigen::ArrayXXf& result : results) EXPECT_TRUE((result == whole).all());
-}
-
 TEST_P(RangeCasterContract, TellsItsMemory) {
   EXPECT_GE(makeCaster(asciiMap(kRoom))->memoryBytes(), 160U);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryCaster, RangeCasterContract, testing::ValuesIn(subjects()),
                          [](const auto& instance) { return instance.param.name; });
-
-TEST(SimdCaster, GivesTheSameBitsWithEveryInstructionSet) {
-  RandomWorld world(10, 300, 200);
-  RangeCasterParameters parameters;
-  parameters.max_range = 8.0;
-  const Eigen::ArrayXf bearings = fan(301);  // more than are handled at once
-  const Poses poses(world.poses(50, 4.0));
-  Eigen::ArrayXXf expected;
-  for (const InstructionSet set : availableInstructionSets()) {
-    Eigen::ArrayXXf ranges(bearings.size(), poses.batch().size);
-    SimdCaster(*world.grid, parameters, set).cast(poses.batch(), bearings, ranges);
-    if (expected.size() == 0) expected = ranges;
-    EXPECT_TRUE((ranges == expected).all()) << nameOf(set);
-  }
-}
 
 TEST(MakeRangeCaster, RefusesAnUnknownName) {
   RangeCasterParameters parameters;

@@ -34,9 +34,9 @@ void castEach(const PaddedGrid& grid, double max_range, const PoseBatch& lidar_i
     for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
       if (!isFinite(lidar_in_map.pose(i))) continue;
       const PoseInCells pose = grid.toCells(lidar_in_map.pose(i));
-      const bool inside = grid.contains(pose);
+      const bool inside = grid.contains(pose.position);
       for (std::size_t k = 0; k < static_cast<std::size_t>(beams.size); ++k) {
-        RayInCells ray{pose.x, pose.y,
+        RayInCells ray{pose.position.x(), pose.position.y(),
                        pose.cos_yaw * beams.cosine[k] - pose.sin_yaw * beams.sine[k],
                        pose.sin_yaw * beams.cosine[k] + pose.cos_yaw * beams.sine[k]};
         double cells = 0.0;

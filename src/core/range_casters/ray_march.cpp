@@ -24,9 +24,9 @@ namespace racecar_mcl {
 namespace {
 
 constexpr double kLongestMarch = 16384.0;  // cells; the rounding of positions grows with it
-constexpr int kSlots = 512;          // x 12 arrays x 4 bytes = 24 KB, within the first-level cache
+constexpr int kSlots = 256;          // x 13 arrays x 4 bytes = 13 KB, within the first-level cache
 constexpr int kWidest = 16;          // floats in the widest vector
-constexpr int kStridesPerRound = 5;  // between two looks for rays that have ended
+constexpr int kStridesPerRound = 4;  // between two looks for rays that have ended
 
 using Beams = BeamDirections<float>;
 
@@ -41,6 +41,8 @@ struct alignas(64) Slots {
   std::array<float, kSlots> t;        ///< cells from the pose
   std::array<int, kSlots> cell;       ///< index in the field at t
   std::array<int, kSlots> clearance;  ///< there
+  // Per round
+  std::array<float, kSlots> entry;  ///< where the ray came into the cell, cells from the pose
 };
 
 /// What is the same for all rays.
@@ -65,11 +67,8 @@ struct Frame {
 
 RACECAR_MCL_INLINE bool hasEnded(int clearance) { return clearance > ClearanceField::kLongest; }
 
-RACECAR_MCL_INLINE void fetch(const Frame& frame, Slots& s, int i) {
-  s.clearance[i] = frame.field[s.cell[i]];
-}
-
-RACECAR_MCL_INLINE void stride(const Frame& frame, Slots& s, int count) {
+/// Moves all rays to where they are sure to be in another cell, or to the limit.
+RACECAR_MCL_INLINE void advance(const Frame& frame, Slots& s, int count) {
   const float half = 0.5F + frame.across;
   const float limit = frame.limit;
   const int field_row = frame.row;
@@ -86,27 +85,44 @@ RACECAR_MCL_INLINE void stride(const Frame& frame, Slots& s, int count) {
     s.cell[i] = s.corner[i] + static_cast<int>(s.oy[i] + t * s.dy[i]) * field_row +
                 static_cast<int>(s.ox[i] + t * s.dx[i]);
   }
-  for (int i = 0; i < count; ++i) fetch(frame, s, i);
 }
 
-RACECAR_MCL_INLINE int findEnded(const Frame& frame, const Slots& s, int count, int* ended) {
+RACECAR_MCL_INLINE void fetch(const Frame& frame, Slots& s, int count) {
+  for (int i = 0; i < count; ++i) s.clearance[i] = frame.field[s.cell[i]];
+}
+
+/// Lists the slots of rays that have ended, and returns their number.
+RACECAR_MCL_INLINE int fetchAndFindEnded(const Frame& frame, Slots& s, int count, int* ended) {
   int found = 0;
   for (int i = 0; i < count; ++i) {
+    const int clearance = frame.field[s.cell[i]];
+    s.clearance[i] = clearance;
     ended[found] = i;
-    found += static_cast<int>(hasEnded(s.clearance[i])) | static_cast<int>(s.t[i] >= frame.limit);
+    found += static_cast<int>(hasEnded(clearance));
   }
   return found;
 }
 
+/// Sends rays at the limit to a cell of the ring, where rays end.
+RACECAR_MCL_INLINE void endAtLimit(const Frame& frame, Slots& s, int count) {
+  const float limit = frame.limit;
+  for (int i = 0; i < count; ++i) s.cell[i] = s.t[i] < limit ? s.cell[i] : 0;
+}
+
+RACECAR_MCL_INLINE void findEntries(Slots& s, int count) {
+  for (int i = 0; i < count; ++i) {
+    const float column = static_cast<float>(static_cast<int>(s.ox[i] + s.t[i] * s.dx[i]));
+    const float row = static_cast<float>(static_cast<int>(s.oy[i] + s.t[i] * s.dy[i]));
+    const float entry_x = (column + 0.5F - s.ox[i]) * s.ix[i] - 0.5F * std::fabs(s.ix[i]);
+    const float entry_y = (row + 0.5F - s.oy[i]) * s.iy[i] - 0.5F * std::fabs(s.iy[i]);
+    const float entry = entry_x > entry_y ? entry_x : entry_y;
+    s.entry[i] = entry > 0.0F ? entry : 0.0F;  // 0 where the ray starts in an obstacle
+  }
+}
+
 RACECAR_MCL_INLINE void writeRange(const Frame& frame, const Slots& s, int i) {
-  const float column = static_cast<float>(static_cast<int>(s.ox[i] + s.t[i] * s.dx[i]));
-  const float row = static_cast<float>(static_cast<int>(s.oy[i] + s.t[i] * s.dy[i]));
-  // The border it came in by; negative where the ray starts in an obstacle.
-  const float entry_x = (column + 0.5F - s.ox[i]) * s.ix[i] - 0.5F * std::fabs(s.ix[i]);
-  const float entry_y = (row + 0.5F - s.oy[i]) * s.iy[i] - 0.5F * std::fabs(s.iy[i]);
-  const float entry = std::max(0.0F, std::max(entry_x, entry_y));
-  const bool hit = s.clearance[i] == ClearanceField::kHit && entry < frame.limit;
-  *s.range[i] = hit ? entry * frame.resolution : frame.max_range;
+  const bool hit = s.clearance[i] == ClearanceField::kHit && s.t[i] < frame.limit;
+  *s.range[i] = hit ? s.entry[i] * frame.resolution : frame.max_range;
 }
 
 /// The rays of a cast one after the other, pose by pose.
@@ -129,10 +145,9 @@ class Rays {
     s.ix[i] = ix_[k];
     s.iy[i] = iy_[k];
     s.corner[i] = corner_;
-    s.range[i] = &order_.ranges(beams_.index[k], pose_);
+    s.range[i] = ranges_ + beams_.index[k];
     s.t[i] = 0.0F;
-    s.cell[i] = corner_ + frame_.reach * (frame_.row + 1);
-    fetch(frame_, s, i);
+    s.clearance[i] = clearance_;
     return true;
   }
 
@@ -140,19 +155,25 @@ class Rays {
   RACECAR_MCL_INLINE bool nextPose() {
     PoseInCells pose;
     while (true) {
-      if (++pose_ >= order_.lidar_in_map.size) return false;
+      if (selected_ == order_.selection.count) return false;
+      pose_ = order_.selection[selected_++];
       pose = order_.grid.toCells(order_.lidar_in_map.pose(pose_));
-      if (order_.grid.contains(pose) && std::isfinite(pose.cos_yaw)) break;
+      if (order_.grid.contains(pose.position) && std::isfinite(pose.cos_yaw)) break;
       all_in_map_ = false;
     }
 
-    const int column = static_cast<int>(pose.x);
-    const int row = static_cast<int>(pose.y);
+    const int column = static_cast<int>(pose.position.x());
+    const int row = static_cast<int>(pose.position.y());
     const auto reach = static_cast<float>(frame_.reach);
     // Rounding must not carry the pose into the next cell.
-    ox_ = std::min(reach + static_cast<float>(pose.x - column), reach + 1.0F - frame_.across);
-    oy_ = std::min(reach + static_cast<float>(pose.y - row), reach + 1.0F - frame_.across);
+    ox_ = std::min(reach + static_cast<float>(pose.position.x() - column),
+                   reach + 1.0F - frame_.across);
+    oy_ =
+        std::min(reach + static_cast<float>(pose.position.y() - row), reach + 1.0F - frame_.across);
     corner_ = (row - frame_.reach) * frame_.row + column - frame_.reach;
+
+    clearance_ = frame_.field[corner_ + frame_.reach * (frame_.row + 1)];
+    ranges_ = order_.ranges.col(pose_).data();
 
     const auto c = static_cast<float>(pose.cos_yaw);
     const auto s = static_cast<float>(pose.sin_yaw);
@@ -173,11 +194,14 @@ class Rays {
   const MarchOrder& order_;
   const Frame& frame_;
   const Beams& beams_;
-  Eigen::Index pose_ = -1;
+  Eigen::Index selected_ = 0;
+  Eigen::Index pose_ = 0;
   int next_beam_;
   float ox_ = 0.0F;
   float oy_ = 0.0F;
   int corner_ = 0;
+  int clearance_ = 0;
+  float* ranges_ = nullptr;
   bool all_in_map_ = true;
   alignas(64) std::array<float, Beams::kMost> dx_, dy_, ix_, iy_;
 };
@@ -185,7 +209,7 @@ class Rays {
 RACECAR_MCL_INLINE void move(Slots& s, int to, int from) {
   const auto copy = [&](auto& array) { array[to] = array[from]; };
   copy(s.ox), copy(s.oy), copy(s.dx), copy(s.dy), copy(s.ix), copy(s.iy);
-  copy(s.corner), copy(s.range), copy(s.t), copy(s.cell), copy(s.clearance);
+  copy(s.corner), copy(s.range), copy(s.t), copy(s.clearance);
 }
 
 RACECAR_MCL_INLINE bool marchAll(const MarchOrder& order) {
@@ -203,9 +227,16 @@ RACECAR_MCL_INLINE bool marchAll(const MarchOrder& order) {
     while (count < kSlots && rays.next(slots, count)) ++count;
     while (count > 0) {
       const int whole_vectors = (count + kWidest - 1) / kWidest * kWidest;
-      for (int i = 0; i < kStridesPerRound; ++i) stride(frame, slots, whole_vectors);
+      for (int i = 1; i < kStridesPerRound; ++i) {
+        advance(frame, slots, whole_vectors);
+        fetch(frame, slots, whole_vectors);
+      }
+      advance(frame, slots, whole_vectors);
+      endAtLimit(frame, slots, whole_vectors);
+      findEntries(slots, whole_vectors);
+      const int found = fetchAndFindEnded(frame, slots, count, ended.data());
       // From the last slot on, so that a slot that fills a gap has itself been seen to.
-      for (int k = findEnded(frame, slots, count, ended.data()) - 1; k >= 0; --k) {
+      for (int k = found - 1; k >= 0; --k) {
         writeRange(frame, slots, ended[k]);
         if (!rays.next(slots, ended[k])) move(slots, ended[k], --count);
       }

@@ -16,6 +16,14 @@ std::vector<InstructionSet> availableInstructionSets();
 
 const char* nameOf(InstructionSet set);
 
+/// The poses of a batch that are to be cast: all, or `count` listed ones.
+struct PoseSelection {
+  const Eigen::Index* which = nullptr;
+  Eigen::Index count = 0;
+
+  Eigen::Index operator[](Eigen::Index i) const { return which == nullptr ? i : which[i]; }
+};
+
 /// Everything a march reads, and where it writes.
 struct MarchOrder {
   const PaddedGrid& grid;
@@ -23,6 +31,7 @@ struct MarchOrder {
   double limit;  ///< cells; longer ranges are written as the cast's max_range
   double max_range;
   const PoseBatch& lidar_in_map;
+  const PoseSelection& selection;
   const Eigen::ArrayXf& bearings;
   Eigen::Ref<Eigen::ArrayXXf>& ranges;
 };
@@ -31,8 +40,9 @@ struct MarchOrder {
 /// 30,000 cells square, and limits over 16,384 cells.
 bool marchServes(const PaddedGrid& grid, double limit);
 
-/// Casts all finite bearings from those poses that lie in the map, and leaves the other ranges as
-/// they are. Every instruction set gives the same bits. Returns whether all poses lay in the map.
+/// Casts all finite bearings from those selected poses that lie in the map, and leaves the other
+/// ranges as they are. Every instruction set gives the same bits. Returns whether all selected
+/// poses lay in the map.
 bool march(InstructionSet set, const MarchOrder& order);
 
 }  // namespace racecar_mcl

@@ -18,19 +18,28 @@ SimdCaster::SimdCaster(const OccupancyGrid& grid, const RangeCasterParameters& p
 
 void SimdCaster::cast(const PoseBatch& lidar_in_map, const Eigen::ArrayXf& bearings,
                       Eigen::Ref<Eigen::ArrayXXf> ranges) const {
+  castSelected(lidar_in_map, {nullptr, lidar_in_map.size}, bearings, ranges);
+}
+
+void SimdCaster::castSelected(const PoseBatch& lidar_in_map, const PoseSelection& selection,
+                              const Eigen::ArrayXf& bearings,
+                              Eigen::Ref<Eigen::ArrayXXf> ranges) const {
   requireShape(lidar_in_map, bearings, ranges);
-  ranges.setConstant(static_cast<float>(max_range_));
+  for (Eigen::Index i = 0; i < selection.count; ++i) {
+    ranges.col(selection[i]).setConstant(static_cast<float>(max_range_));
+  }
   // No ray inside the map is longer than its diagonal.
   const double limit =
       std::min(max_range_ / grid_.resolution(), std::hypot(grid_.width(), grid_.height()));
   const bool serves = marchServes(grid_, limit);
-  if (serves &&
-      march(instruction_set_, {grid_, field_, limit, max_range_, lidar_in_map, bearings, ranges})) {
+  if (serves && march(instruction_set_, {grid_, field_, limit, max_range_, lidar_in_map, selection,
+                                         bearings, ranges})) {
     return;
   }
-  for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
-    if (serves && grid_.contains(grid_.toCells(lidar_in_map.pose(i)))) continue;
-    castEach(grid_, max_range_, lidar_in_map.segment(i, 1), bearings, ranges.middleCols(i, 1),
+  for (Eigen::Index i = 0; i < selection.count; ++i) {
+    const Eigen::Index pose = selection[i];
+    if (serves && grid_.contains(grid_.position(lidar_in_map.pose(pose)))) continue;
+    castEach(grid_, max_range_, lidar_in_map.segment(pose, 1), bearings, ranges.middleCols(pose, 1),
              [&](const RayInCells& ray, double rest) { return walk(grid_, field_, ray, rest); });
   }
 }

@@ -21,6 +21,12 @@ class SimdCaster : public RangeCaster {
             Eigen::Ref<Eigen::ArrayXXf> ranges) const override;
   std::size_t memoryBytes() const override;
 
+  /// Casts from the selected poses only, and leaves the other columns of `ranges` as they are.
+  void castSelected(const PoseBatch& lidar_in_map, const PoseSelection& selection,
+                    const Eigen::ArrayXf& bearings, Eigen::Ref<Eigen::ArrayXXf> ranges) const;
+
+  const PaddedGrid& grid() const { return grid_; }
+
  private:
   PaddedGrid grid_;
   ClearanceField field_;
