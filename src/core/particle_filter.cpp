@@ -6,12 +6,17 @@
 #include <sstream>
 
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/tempering.h"
 
 namespace racecar_mcl {
 namespace {
 
 // Particles cast and weighed together: their ranges stay in the first-level cache.
 constexpr Eigen::Index kChunk = 64;
+
+// While the car may be in many places, a scan leaves at least this share of the set alive: the
+// place that fits best at first sight is often the wrong one.
+constexpr double kGlobalSurvivors = 0.1;
 
 // No start is farther away or wider than this, m: beyond it, squares lose their digits.
 constexpr double kFarthest = 1e7;
@@ -194,7 +199,12 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   result.particles = static_cast<int>(particles_.size());
 
   const Eigen::ArrayXd before = particles_.log_weight;
-  particles_.log_weight += logLikelihoods(map, particles_, beams);
+  Eigen::ArrayXd log_likelihoods = logLikelihoods(map, particles_, beams);
+  if (particles_.size() > parameters_.num_particles) {
+    log_likelihoods *= temperingExponent(before, log_likelihoods,
+                                         kGlobalSurvivors * static_cast<double>(particles_.size()));
+  }
+  particles_.log_weight += log_likelihoods;
   result.log_likelihood = normalizeLogWeights(&particles_.log_weight);
   if (!std::isfinite(result.log_likelihood)) {
     particles_.log_weight = before;
