@@ -85,9 +85,10 @@ class CountResults(unittest.TestCase):
         self.results("racecar_mcl/rosunit-inner", PASSED, PASSED)
         self.results("racecar_mcl/rostest-node", wrapper.format("/>"))
         self.assertEqual(self.count(), ("2 passed, 0 failed", 0))
-        # A failure inside is counted once, though the wrapper repeats it.
+        # A failure inside is counted once, whether or not the wrapper repeats it.
         self.programFailed("node")
         self.results("racecar_mcl/rosunit-inner", PASSED, FAILED)
+        self.assertEqual(self.count(), ("1 passed, 1 failed", 1))
         failed_wrapper = wrapper.format("><failure/></testcase>")
         self.results("racecar_mcl/rostest-node", failed_wrapper)
         self.assertEqual(self.count(), ("1 passed, 1 failed", 1))
