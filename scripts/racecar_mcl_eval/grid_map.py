@@ -1,0 +1,93 @@
+"""A map_server map: where its cells are, what they hold, and how far a point is from a wall."""
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+import yaml
+from matplotlib.colors import ListedColormap
+from matplotlib.transforms import Affine2D
+
+from . import EvaluationError
+
+FREE, OCCUPIED, UNKNOWN = 0, 1, 2
+# Distances to walls are told up to here; what lies outside the map counts as this far.
+FARTHEST = 2.0  # m
+_COLOURS = ListedColormap(["#ffffff", "#4d4d4d", "#e4e7ea"])
+
+
+@dataclass
+class GridMap:
+    name: str
+    cells: np.ndarray    # FREE, OCCUPIED or UNKNOWN; row 0 is the lowest
+    resolution: float    # m per cell
+    origin: tuple        # x, y, yaw of the lower-left corner in the map frame
+    _distances: np.ndarray = field(default=None, repr=False)
+
+    def to_grid(self, points):
+        """Map frame (N, 2) to continuous grid coordinates, in cells from the corner."""
+        x, y, yaw = self.origin
+        dx, dy = points[:, 0] - x, points[:, 1] - y
+        return np.column_stack((dx * np.cos(yaw) + dy * np.sin(yaw),
+                                dy * np.cos(yaw) - dx * np.sin(yaw))) / self.resolution
+
+    def corners(self):
+        height, width = self.cells.shape
+        box = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * (width, height) * self.resolution
+        return Affine2D().rotate(self.origin[2]).translate(*self.origin[:2]).transform(box)
+
+    def wall_distances(self, points):
+        """Metres from each point to the nearest occupied cell's centre, between cell centres
+        interpolated; at most FARTHEST, which is also the answer outside the map."""
+        if self._distances is None:
+            margin = int(np.ceil(FARTHEST / self.resolution)) + 2
+            open_space = np.pad((self.cells != OCCUPIED).astype(np.uint8), margin, mode="constant",
+                                constant_values=1)
+            if open_space.all():
+                raise EvaluationError(f"map {self.name} holds no wall")
+            distances = cv2.distanceTransform(open_space, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+            self._distances = np.minimum(distances * self.resolution, FARTHEST).astype(np.float32)
+        margin = int(np.ceil(FARTHEST / self.resolution)) + 2
+        grid = (self.to_grid(points) - 0.5 + margin).astype(np.float32)
+        if len(grid) == 0:
+            return np.empty(0)
+        # remap takes images of up to 32767 rows.
+        parts = [cv2.remap(self._distances, part[:, 0:1].copy(), part[:, 1:2].copy(),
+                           cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=FARTHEST)
+                 for part in np.array_split(grid, len(grid) // 30000 + 1)]
+        return np.concatenate(parts)[:, 0]
+
+    def draw(self, axes, alpha=1.0):
+        """The cells where they lie in the map frame, the origin's yaw included."""
+        height, width = self.cells.shape
+        place = Affine2D().rotate(self.origin[2]).translate(*self.origin[:2]) + axes.transData
+        axes.imshow(self.cells, cmap=_COLOURS, vmin=0, vmax=2, origin="lower", alpha=alpha,
+                    extent=(0, width * self.resolution, 0, height * self.resolution), zorder=0,
+                    interpolation="nearest" if max(width, height) < 1200 else "antialiased",
+                    transform=place)
+        axes.set_aspect("equal")
+
+
+def load_map(path):
+    """Reads a map_server YAML and its image as map_server's trinary mode does."""
+    path = Path(path)
+    try:
+        told = yaml.safe_load(path.read_text(encoding="utf-8"))
+        resolution = float(told["resolution"])
+        origin = tuple(float(value) for value in told["origin"])
+        occupied, free = float(told["occupied_thresh"]), float(told["free_thresh"])
+        negate, image_path = int(told["negate"]), path.parent / told["image"]
+        assert len(origin) == 3 and resolution > 0.0
+    except (OSError, UnicodeDecodeError) as error:
+        raise EvaluationError(f"map {path} cannot be read: {error}") from error
+    except (yaml.YAMLError, KeyError, TypeError, ValueError, AssertionError) as error:
+        raise EvaluationError(f"map {path} is no map_server YAML (image, resolution, origin, negate, "
+                              f"occupied_thresh, free_thresh): {error!r}") from error
+    image = cv2.imread(str(image_path), cv2.IMREAD_GRAYSCALE)
+    if image is None:
+        raise EvaluationError(f"map {path}: its image {image_path} cannot be read")
+    dark = image / 255.0 if negate else 1.0 - image / 255.0
+    cells = np.full(image.shape, UNKNOWN, dtype=np.uint8)
+    cells[dark > occupied] = OCCUPIED
+    cells[dark < free] = FREE
+    return GridMap(str(path), np.ascontiguousarray(cells[::-1]), resolution, origin)

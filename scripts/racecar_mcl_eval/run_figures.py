@@ -1,0 +1,297 @@
+"""The figures of one or several runs, side by side. Each function returns a matplotlib figure."""
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from . import scan_fit as fit
+from .consistency import AXES, CHI2_95, round_text
+from .style import (BAD, COLOURS, DOUBTFUL, GOOD, TRUTH, VERDICTS, WIDTH, colour, frame_on,
+                    new_figure, plt)
+
+# The truth where an estimate is drawn over it.
+TRUTH_UNDER = "#b3b9c1"
+# An error of this many metres and more is shown in the last colour.
+WORST_SHOWN = 1.0
+_DEGREES_PER_UNIT = (1.0, 1.0, 180.0 / np.pi)
+_FIT_COLOURS = ListedColormap([GOOD, BAD])
+
+
+def plan_grid(count, points):
+    """Axes for `count` plans of the same extent: side by side if tall, below each other if wide."""
+    extent = np.ptp(points, axis=0) + 3.0
+    columns = 1 if count == 1 else min(count, 2 if extent[0] > 0.7 * extent[1] else 3)
+    rows = -(-count // columns)
+    height = WIDTH / columns * min(1.1, max(0.35, extent[1] / extent[0])) * rows + 0.7
+    figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, min(height, 14.0)), squeeze=False)
+    for unused in axes.flat[count:]:
+        unused.set_visible(False)
+    return figure, list(axes.flat[:count])
+
+
+def _driven(runs):
+    """All points that a plan of these runs is to show. Where there is a truth the estimate may have
+    run away from it far; it is followed for a few metres only."""
+    points = []
+    for run in runs:
+        estimate = run.trajectory.poses[:, :2]
+        if run.truth is not None:
+            true = run.truth.poses[:, :2]
+            points.append(true)
+            near = ((estimate > true.min(axis=0) - 3.0) & (estimate < true.max(axis=0) + 3.0)).all(axis=1)
+            estimate = estimate[near]
+        points.append(estimate)
+    return np.concatenate(points)
+
+
+def trajectories(runs, grid_map):
+    """The estimate on the map, over the truth where there is one, coloured by its error."""
+    points = _driven(runs)
+    figure, plans = plan_grid(len(runs), points)
+    worst = [run.errors.position.max() for run in runs if run.errors is not None]
+    limit = float(np.clip(max(worst), 0.05, WORST_SHOWN)) if worst else None
+    lines = None
+    for index, (run, axes) in enumerate(zip(runs, plans)):
+        if grid_map is not None:
+            grid_map.draw(axes)
+        if run.errors is None:
+            axes.plot(*run.trajectory.poses[:, :2].T, color=colour(index), linewidth=1.6)
+            first = run.trajectory.poses[0]
+            handles = [Line2D([], [], color=colour(index), label="estimate")]
+        else:
+            axes.plot(*run.truth.poses[:, :2].T, color=TRUTH_UNDER, linewidth=5.0, zorder=2)
+            estimate = run.errors.estimate[:, :2]
+            segments = np.stack((estimate[:-1], estimate[1:]), axis=1)
+            lines = LineCollection(segments, cmap="turbo", norm=Normalize(0.0, limit), linewidth=1.8,
+                                   zorder=3)
+            lines.set_array(run.errors.position[1:])
+            axes.add_collection(lines)
+            first = run.errors.truth[0]
+            handles = [Line2D([], [], color=TRUTH_UNDER, linewidth=5.0, label="truth"),
+                       Line2D([], [], color=plt.get_cmap("turbo")(0.2), linewidth=1.8,
+                              label="estimate, coloured by its error")]
+        axes.plot(*first[:2], marker="o", markersize=7, color="white", markeredgecolor=TRUTH,
+                  zorder=5)
+        handles.append(Line2D([], [], marker="o", color="none", markerfacecolor="white",
+                              markeredgecolor=TRUTH, label="start"))
+        frame_on(axes, points)
+        axes.set_title(run.name)
+        if index == 0:
+            axes.legend(handles=handles, loc="best")
+    if lines is not None:
+        over = max(worst) > limit
+        bar = figure.colorbar(lines, ax=plans, shrink=0.8, pad=0.01,
+                              extend="max" if over else "neither")
+        bar.set_label("position error (m)")
+    return figure
+
+
+def _time_axis(axes):
+    axes.set_xlabel("time (s)")
+    axes.margins(x=0.01)
+
+
+def _is_wide(runs):
+    """Whether a linear scale would hide all errors but the worst."""
+    typical = min(np.median(run.errors.position) for run in runs)
+    return max(run.errors.position.max() for run in runs) > 20.0 * max(typical, 1e-3)
+
+
+def _least_shown(runs):
+    return max(1e-3, min(np.percentile(run.errors.position, 1) for run in runs))
+
+
+def _unbroken(degrees):
+    """Angles without lines across the whole figure where they pass 180 degrees."""
+    shown = np.array(degrees)
+    shown[1:][np.abs(np.diff(degrees)) > 180.0] = np.nan
+    return shown
+
+
+def errors_over_time(runs, lost_error):
+    """Position, heading and cross-track error of each run."""
+    figure, axes = new_figure(3, 1, height=7.2, sharex=True)
+    position, heading, cross = axes[:, 0]
+    for index, run in enumerate(runs):
+        seconds = run.errors.seconds(run.start)
+        style = {"color": colour(index), "linewidth": 0.9, "label": run.name}
+        position.plot(seconds, run.errors.position, **style)
+        heading.plot(seconds, _unbroken(np.degrees(run.errors.heading)), **style)
+        cross.plot(seconds, run.errors.cross_track, **style)
+    if _is_wide(runs):
+        position.set_yscale("log")
+        position.set_ylim(bottom=_least_shown(runs))
+    else:
+        position.set_ylim(bottom=0.0)
+    if max(run.errors.position.max() for run in runs) > lost_error:
+        position.axhline(lost_error, color=BAD, linestyle="--", linewidth=1.0)
+        position.text(0.995, lost_error, f"lost above {lost_error:g} m", color=BAD, ha="right",
+                      va="bottom", transform=position.get_yaxis_transform(), fontsize=9)
+    position.set_ylabel("position error (m)")
+    heading.set_ylabel("heading error (deg)\n+ = too far left")
+    cross.set_ylabel("cross-track error (m)\n+ = left of the car")
+    for signed in (heading, cross):
+        signed.axhline(0.0, color="#888888", linewidth=0.7)
+    _time_axis(cross)
+    if len(runs) > 1:
+        figure.legend(*position.get_legend_handles_labels(), loc="upper center", ncol=4,
+                      bbox_to_anchor=(0.5, 1.05))
+    return figure
+
+
+def histograms(runs):
+    """How often which error: as a histogram and as the share below."""
+    figure, axes = new_figure(1, 2, height=3.6)
+    counts, shares = axes[0]
+    top = max(run.errors.position.max() for run in runs)
+    wide = _is_wide(runs)
+    bins = np.geomspace(_least_shown(runs), top, 60) if wide else np.linspace(0.0, top, 60)
+    for index, run in enumerate(runs):
+        error = np.sort(run.errors.position)
+        counts.hist(error, bins=bins, weights=np.full(len(error), 100.0 / len(error)),
+                    color=colour(index), alpha=0.25)
+        counts.hist(error, bins=bins, weights=np.full(len(error), 100.0 / len(error)),
+                    color=colour(index), histtype="step", linewidth=1.2, label=run.name)
+        shares.plot(error, 100.0 * np.arange(1, len(error) + 1) / len(error), color=colour(index),
+                    label=run.name)
+    for one in (counts, shares):
+        one.set_xlabel("position error (m)")
+        if wide:
+            one.set_xscale("log")
+    counts.set_ylabel("share of truth stamps (%)")
+    shares.set_ylabel("share of truth stamps\nwith a smaller error (%)")
+    shares.axhline(95.0, color="#888888", linestyle=":", linewidth=1.0)
+    shares.set_ylim(0.0, 100.5)
+    shares.legend(loc="lower right")
+    return figure
+
+
+def consistency(run, measured):
+    """Errors of the updates inside the 3-sigma band the filter claimed, and their NEES."""
+    figure, axes = new_figure(4, 1, height=8.0, sharex=True)
+    stamps = run.updates.stamps[measured.chosen]
+    seconds = (stamps - run.start) * 1e-9
+    for axis, name in enumerate(AXES):
+        plot, unit = axes[axis, 0], "deg" if name == "yaw" else "m"
+        scale = _DEGREES_PER_UNIT[axis]
+        error, band = scale * measured.errors[:, axis], 3.0 * scale * measured.sigmas[:, axis]
+        outside = np.abs(error) > band
+        plot.fill_between(seconds, -band, band, color=COLOURS[0], alpha=0.18, linewidth=0,
+                          label="±3σ claimed")
+        plot.plot(seconds, error, color=COLOURS[0], linewidth=0.8, label="error")
+        plot.plot(seconds[outside], error[outside], ".", color=BAD, markersize=3,
+                  label="outside 3σ")
+        reach = 1.15 * max(np.percentile(np.abs(error), 99.5), 1.2 * np.percentile(band, 50))
+        plot.set_ylim(-reach, reach)
+        plot.set_ylabel(f"{name} error ({unit})")
+        plot.set_title(f"{name}: {100.0 * measured.within_3_sigma[axis]:.1f} % within 3σ", loc="left",
+                       fontsize=10)
+    axes[0, 0].legend(loc="upper right", ncol=3)
+    nees = axes[3, 0]
+    nees.semilogy(seconds, np.maximum(measured.nees, 1e-3), color=COLOURS[0], linewidth=0.7)
+    nees.axhline(3.0, color=GOOD, label="3: what it should be on average")
+    nees.axhline(CHI2_95, color=DOUBTFUL, linestyle="--",
+                 label=f"{CHI2_95:.1f}: 95 % should lie below")
+    nees.set_title(f"NEES: mean {round_text(measured.mean_nees)}, {100.0 * np.mean(measured.nees <= CHI2_95):.1f} % "
+                   f"below {CHI2_95:.1f}", loc="left", fontsize=10)
+    nees.set_ylabel("NEES")
+    nees.legend(loc="upper right", ncol=2)
+    _time_axis(nees)
+    return figure
+
+
+def filter_over_time(runs):
+    """Update time, effective sample size and particles of replayed runs."""
+    runs = [run for run in runs if run.updates.column("update_ms") is not None]
+    figure, axes = new_figure(3, 1, height=7.0, sharex=True)
+    for index, run in enumerate(runs):
+        seconds = (run.updates.stamps - run.start) * 1e-9
+        particles = run.updates.column("particles")
+        weighed = particles > 0
+        style = {"color": colour(index), "linewidth": 0.7, "label": run.name}
+        axes[0, 0].semilogy(seconds, np.maximum(run.updates.column("update_ms"), 1e-3), **style)
+        share = run.updates.column("effective_sample_size")[weighed] / particles[weighed]
+        axes[1, 0].plot(seconds[weighed], 100.0 * share, **style)
+        axes[2, 0].semilogy(seconds[weighed], particles[weighed], **style)
+    axes[0, 0].set_ylabel("update (ms)")
+    axes[1, 0].set_ylabel("effective sample size\n(% of particles)")
+    axes[1, 0].set_ylim(0.0, 102.0)
+    axes[2, 0].set_ylabel("particles")
+    _time_axis(axes[2, 0])
+    if len(runs) > 1:
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper center", ncol=4,
+                      bbox_to_anchor=(0.5, 1.05))
+    return figure
+
+
+def _bars(axes, row, run, stretches, bar_colour):
+    """Stretches of time as bars, wide enough to be seen."""
+    least = 0.003 * (run.trajectory.stamps[-1] - run.start) * 1e-9
+    bars = [((first - run.start) * 1e-9, max((last - first) * 1e-9, least))
+            for first, last in stretches]
+    axes.broken_barh(bars, (row - 0.4, 0.8), color=bar_colour, linewidth=0)
+
+
+def timeline(runs, rows):
+    """What each run said of itself over time, and what was true. `rows`: (run index, label,
+    [(stretches, colour)])."""
+    figure, axes = new_figure(1, 1, height=0.9 + 0.42 * len(rows))
+    plan = axes[0, 0]
+    for row, (index, _, bars) in enumerate(rows):
+        for stretches, bar_colour in bars:
+            _bars(plan, row, runs[index], stretches, bar_colour)
+    plan.set_yticks(range(len(rows)))
+    plan.set_yticklabels([label for _, label, _ in rows])
+    plan.set_ylim(len(rows) - 0.4, -0.6)
+    plan.grid(False)
+    _time_axis(plan)
+    figure.legend(handles=[Patch(color=shade, label=word) for word, shade in
+                           list(VERDICTS.items()) + [("update not usable", "#000000")]],
+                  loc="upper center", ncol=5, bbox_to_anchor=(0.5, 1.18))
+    return figure
+
+
+def scans_on_map(runs, fits, grid_map):
+    """Every scan where the estimate says it was taken: green on the walls, red off them."""
+    points = _driven(runs)
+    shown = [measured.points for measured in fits]
+    low, high = points.min(axis=0) - 3.0, points.max(axis=0) + 3.0
+    near = np.concatenate([part[((part > low) & (part < high)).all(axis=1)] for part in shown] + [points])
+    figure, plans = plan_grid(len(runs), near)
+    for run, measured, axes in zip(runs, fits, plans):
+        grid_map.draw(axes, alpha=0.75)
+        step = max(1, len(measured.points) // 60000)
+        far = measured.distances[::step] > fit.NEAR
+        # The far ones last, so that none hides.
+        order = np.argsort(far, kind="stable")
+        axes.scatter(*measured.points[::step][order].T, c=far[order], cmap=_FIT_COLOURS, vmin=0,
+                     vmax=1, s=1.2, linewidths=0, alpha=0.6, rasterized=True)
+        axes.plot(*run.trajectory.poses[:, :2].T, color=COLOURS[0], linewidth=1.0)
+        frame_on(axes, near, margin=0.5)
+        axes.set_title(f"{run.name}\n{100.0 * measured.near:.1f} % of beams within {fit.NEAR:g} m; "
+                       f"{100.0 * measured.mean:.1f} cm on average", fontsize=10)
+    figure.legend(handles=[
+        Line2D([], [], color=GOOD, marker="o", linestyle="", label=f"within {fit.NEAR:g} m of a wall"),
+        Line2D([], [], color=BAD, marker="o", linestyle="", label="farther off"),
+        Line2D([], [], color=COLOURS[0], label="estimate")], loc="upper center", ncol=3,
+        bbox_to_anchor=(0.5, 1.05))
+    return figure
+
+
+def fit_over_time(runs, fits):
+    figure, axes = new_figure(2, 1, height=4.8, sharex=True)
+    for index, (run, measured) in enumerate(zip(runs, fits)):
+        seconds = (measured.stamps - run.start) * 1e-9
+        style = {"color": colour(index), "linewidth": 0.8, "label": run.name}
+        axes[0, 0].plot(seconds, measured.mean_distance, **style)
+        axes[1, 0].plot(seconds, 100.0 * measured.near_share, **style)
+    axes[0, 0].set_ylabel("mean distance of\nscan points to walls (m)")
+    axes[0, 0].set_ylim(bottom=0.0)
+    axes[1, 0].set_ylabel(f"beams within {fit.NEAR:g} m\nof a wall (%)")
+    axes[1, 0].set_ylim(0.0, 102.0)
+    _time_axis(axes[1, 0])
+    if len(runs) > 1:
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper center", ncol=4,
+                      bbox_to_anchor=(0.5, 1.08))
+    return figure
