@@ -21,6 +21,7 @@ using ProgressBar = boost::progress_display;
 #include "bag_reader.h"
 #include "evaluation/trajectory.h"
 #include "evaluation/trajectory_error.h"
+#include "particle_table.h"
 #include "program.h"
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/localizer.h"
@@ -28,6 +29,7 @@ using ProgressBar = boost::progress_display;
 #include "racecar_mcl/parameters.h"
 #include "replay_outputs.h"
 #include "replay_run.h"
+#include "video.h"
 
 namespace racecar_mcl {
 namespace {
@@ -54,6 +56,9 @@ struct Options {
   std::string laser_pose;
   std::string motion_from;
   double max_gap = 0.5;
+  VideoParameters video;  ///< no film where the path is empty
+  std::string particles;
+  double particles_period = 1.0;
 };
 
 void addOptions(Options* o, CLI::App* app) {
@@ -82,6 +87,14 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--motion-from", o->motion_from, "twist or pose: what of odometry is believed");
   app->add_option("--max-gap", o->max_gap,
                   "s; no error is taken where estimates lie further apart than this")
+      ->capture_default_str();
+  app->add_option("--video", o->video.path, "a film of the run: a name that ends in .mp4");
+  app->add_option("--video-speed", o->video.speed, "recorded seconds per second of film")
+      ->capture_default_str();
+  app->add_option("--video-width", o->video.width, "m that the film shows from left to right")
+      ->capture_default_str();
+  app->add_option("--particles", o->particles, "a CSV file for the particle sets");
+  app->add_option("--particles-period", o->particles_period, "s between two of them at least")
       ->capture_default_str();
   app->footer(std::string("Without --truth, ") + kTruthTopic +
               " (nav_msgs/Odometry) is the truth where a bag holds it.");
@@ -191,9 +204,18 @@ void replay(const Options& o) {
   if (isatty(STDERR_FILENO) != 0) {
     bar = std::make_unique<ProgressBar>(bags.count({o.scan_topic, o.odom_topic}), std::cerr, "");
   }
-  const ReplayRecord record = runReplay(bags, input, &localizer, [&] {
+  std::vector<ReplayObserver*> observers;
+  std::unique_ptr<VideoRecorder> video;
+  if (!o.video.path.empty()) {
+    video = std::make_unique<VideoRecorder>(o.video, localizer.map()->grid, truth, o.max_gap);
+    observers.push_back(video.get());
+  }
+  ParticleTable particles(o.particles_period);
+  if (!o.particles.empty()) observers.push_back(&particles);
+  const auto progress = [&] {
     if (bar) ++*bar;
-  });
+  };
+  const ReplayRecord record = runReplay(bags, input, &localizer, progress, observers);
   warnAbout(record);
   if (record.trajectory.empty()) {
     throw BagError("no pose was estimated: the recording ended before the localizer was started");
@@ -202,6 +224,8 @@ void replay(const Options& o) {
 
   const RunDescription description{parameters, o.seed, RACECAR_MCL_VERSION, localizer.counters()};
   writeOutputs(o.out, record, summaryJson(record, description, errors));
+  if (video) video->finish();
+  if (!o.particles.empty()) writeFile(o.particles, particles.csv());
   std::cout << summaryText(record, description, errors) << std::endl;
 }
 

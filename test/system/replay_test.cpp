@@ -269,7 +269,7 @@ TEST_F(Replay, refusesParametersAndOptionsThatCannotBe) {
   refuses({"--truth", path("none.tum")}, {"none.tum"});
   refuses({"--max-gap", "-1"}, {"--max-gap"});
   refuses({"--global", "--initial-pose", "1 2 0"}, {"--global"});
-  refuses({"--particles", "3"}, {"--particles"});
+  refuses({"--particels", "3"}, {"--particels"});
   expectError(replay({}), {"--bag"});
 }
 

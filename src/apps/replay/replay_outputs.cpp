@@ -41,13 +41,6 @@ std::string tum(const Trajectory& trajectory) {
   return text.str();
 }
 
-void writeFile(const fs::path& path, const std::string& content) {
-  std::ofstream file(path, std::ios::binary);
-  file << content;
-  file.close();
-  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
-}
-
 /// A new empty folder beside a path, gone with its content when this goes.
 class SiblingFolder {
  public:
@@ -147,6 +140,16 @@ std::string updatesCsv(const ReplayRecord& record) {
   return text;
 }
 
+void writeFile(const std::string& path, const std::string& content) {
+  const std::string draft = path + ".part";
+  std::ofstream file(draft, std::ios::binary);
+  file << content;
+  file.close();
+  std::error_code error;
+  if (file) fs::rename(draft, path, error);
+  if (!file || error) throw std::runtime_error(path + ": cannot be written");
+}
+
 void writeOutputs(const std::string& directory, const ReplayRecord& record,
                   const std::string& summary_json) {
   // Without a trailing slash, so that a sibling is one.
@@ -154,9 +157,9 @@ void writeOutputs(const std::string& directory, const ReplayRecord& record,
   if (!target.has_filename()) target = target.parent_path();
   fs::create_directories(target.parent_path());
   const SiblingFolder draft(target);
-  writeFile(draft.path() / "trajectory.tum", tum(record.trajectory));
-  writeFile(draft.path() / "updates.csv", updatesCsv(record));
-  writeFile(draft.path() / "summary.json", summary_json);
+  writeFile((draft.path() / "trajectory.tum").string(), tum(record.trajectory));
+  writeFile((draft.path() / "updates.csv").string(), updatesCsv(record));
+  writeFile((draft.path() / "summary.json").string(), summary_json);
   fs::create_directory(target);
   for (const char* name : {"trajectory.tum", "updates.csv", "summary.json"}) {
     fs::rename(draft.path() / name, target / name);

@@ -68,9 +68,10 @@ struct HeldScan {
 
 class Run {
  public:
-  Run(const ReplayInput& input, Localizer* localizer)
+  Run(const ReplayInput& input, Localizer* localizer, const std::vector<ReplayObserver*>& observers)
       : mount_(input.mount),
         localizer_(localizer),
+        observers_(observers),
         starter_(input.start, localizer->parameters().odometry) {}
 
   void add(const BagEvent& event) {
@@ -82,10 +83,15 @@ class Run {
       hold(*event.scan);
     }
     takeReady();
+    observe([this](ReplayObserver* observer) { observer->onMessage(*localizer_); });
   }
+
+  /// s, that the observers took.
+  double observedSeconds() const { return observed_seconds_; }
 
   ReplayRecord finish() {
     while (std::optional<HeldScan> held = hold_.take()) addScan(*held);
+    observe([this](ReplayObserver* observer) { observer->onMessage(*localizer_); });
     record_.trajectory = trajectory_.build();
     return std::move(record_);
   }
@@ -136,6 +142,9 @@ class Run {
       case ScanOutcome::kWeightsVanished:
         trajectory_.addFromScan(held.stamp, result.update.estimate.base_in_map);
         record_.scans.push_back({held.stamp, std::move(result), update_ms});
+        observe([&](ReplayObserver* observer) {
+          observer->onScan(held.scan, record_.scans.back(), *localizer_);
+        });
         break;
       case ScanOutcome::kTooFewBeams:
         trajectory_.addFromOdometry(held.stamp,
@@ -146,8 +155,18 @@ class Run {
     }
   }
 
+  template <typename Call>
+  void observe(Call&& call) {
+    if (observers_.empty()) return;
+    const Clock::time_point start = Clock::now();
+    for (ReplayObserver* observer : observers_) call(observer);
+    observed_seconds_ += secondsSince(start);
+  }
+
   LaserMount mount_;
   Localizer* localizer_;
+  std::vector<ReplayObserver*> observers_;
+  double observed_seconds_ = 0.0;
   TimedStarter starter_;
   ScanHold<HeldScan> hold_;
   TrajectoryBuilder trajectory_;
@@ -158,9 +177,10 @@ class Run {
 }  // namespace
 
 ReplayRecord runReplay(const BagReader& bags, const ReplayInput& input, Localizer* localizer,
-                       const std::function<void()>& progress) {
+                       const std::function<void()>& progress,
+                       const std::vector<ReplayObserver*>& observers) {
   const Clock::time_point start = Clock::now();
-  Run run(input, localizer);
+  Run run(input, localizer, observers);
   std::optional<ros::Time> first;
   ros::Time last;
   bags.forEach(input.scan_topic, input.odometry_topic, [&](const BagEvent& event) {
@@ -171,7 +191,7 @@ ReplayRecord runReplay(const BagReader& bags, const ReplayInput& input, Localize
   });
   ReplayRecord record = run.finish();
   record.duration = first ? (last - *first).toSec() : 0.0;
-  record.wall_seconds = secondsSince(start);
+  record.wall_seconds = secondsSince(start) - run.observedSeconds();
   return record;
 }
 

@@ -42,9 +42,21 @@ struct ReplayRecord {
   double wall_seconds = 0.0;      ///< s, that the run took
 };
 
+/// Looks on while a recording is replayed. The time it takes counts neither for the updates nor for
+/// the run.
+class ReplayObserver {
+ public:
+  virtual ~ReplayObserver() = default;
+  /// A scan, with all its valid beams as they were taken, has left an estimate.
+  virtual void onScan(const Scan& scan, const ScanRow& row, const Localizer& localizer) = 0;
+  /// A message is done with: estimates can be had up to localizer.newestStamp().
+  virtual void onMessage(const Localizer& localizer) = 0;
+};
+
 /// Feeds every scan and odometry message to the localizer in the order in which it was recorded.
 /// `progress` is called once per message.
 ReplayRecord runReplay(const BagReader& bags, const ReplayInput& input, Localizer* localizer,
-                       const std::function<void()>& progress);
+                       const std::function<void()>& progress,
+                       const std::vector<ReplayObserver*>& observers = {});
 
 }  // namespace racecar_mcl
