@@ -137,7 +137,7 @@ std::optional<TimedStart> startFromTruth(const std::optional<Trajectory>& truth)
     throw ParameterError(std::string("--initial-pose-from-truth needs --truth or ") + kTruthTopic +
                          " in the bag");
   }
-  TimedStart start{truth->front().stamp, {truth->front().pose, {}}};
+  TimedStart start{truth->front().stamp, {truth->front().pose, Eigen::Matrix3d::Zero()}};
   start.estimate.covariance.diagonal() << kTruthSigma * kTruthSigma, kTruthSigma * kTruthSigma,
       kTruthYawSigma * kTruthYawSigma;
   return start;
