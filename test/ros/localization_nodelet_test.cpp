@@ -1,15 +1,13 @@
 // The localizer as it is run: a nodelet in a manager's process, and a program of its own.
 #include <nodelet/NodeletLoad.h>
 #include <nodelet/NodeletUnload.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <thread>
 #include <vector>
 
 #include "support/localization_fixture.h"
+#include "support/process.h"
 #include "support/program.h"
 
 namespace racecar_mcl {
@@ -113,39 +111,6 @@ TEST_F(LocalizationNodeletTest, StaysUnconfiguredWithWrongParametersAndSaysSo) {
   expectStillLocalizes();
   EXPECT_TRUE(unload());
 }
-
-/// One process of the program, ended with the object.
-class Process {
- public:
-  explicit Process(const std::vector<std::string>& arguments) {
-    std::vector<char*> words;
-    for (const std::string& argument : arguments)
-      words.push_back(const_cast<char*>(argument.c_str()));
-    words.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ == 0) {
-      execv(words[0], words.data());
-      _exit(127);
-    }
-  }
-  ~Process() {
-    if (pid_ > 0) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, nullptr, 0);
-    }
-  }
-  /// Asks it to end as Ctrl-C does; its exit code, -1 where a signal ended it.
-  int interrupt() {
-    kill(pid_, SIGINT);
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t pid_ = -1;
-};
 
 class LocalizationProgramTest : public LocalizationProcessTest {};
 

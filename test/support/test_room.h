@@ -14,13 +14,15 @@ namespace racecar_mcl {
 /// every test here.
 inline Pose2 roomInMap() { return {-1.0, -2.0, 0.3}; }
 
-/// 8 x 6 m with a corner cut off and a pillar; walls lie on the borders of cells, one cell thick.
+/// 8 x 6 m with a corner cut off, a stub of a wall and a pillar; walls lie on the borders of cells,
+/// one cell thick.
 inline OccupancyGrid testRoom(double resolution = 0.05) {
   const auto is_inside = [](double x, double y) {
     const bool in_walls = x > 0.0 && x < 8.0 && y > 0.0 && y < 6.0;
-    const bool in_step = x > 6.0 && y > 4.5;
+    const bool in_step = x > 5.5 && y > 4.5;
+    const bool in_stub = x < 1.5 && y > 1.8 && y < 2.0;
     const bool in_pillar = x > 1.0 && x < 1.5 && y > 4.0 && y < 4.5;
-    return in_walls && !in_step && !in_pillar;
+    return in_walls && !in_step && !in_stub && !in_pillar;
   };
   const int columns = static_cast<int>(std::lround(8.0 / resolution)) + 2;
   const int rows = static_cast<int>(std::lround(6.0 / resolution)) + 2;
