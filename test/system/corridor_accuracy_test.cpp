@@ -60,9 +60,7 @@ TEST_P(CorridorAccuracyTest, ReportsConstants) {
   simulate();
   const ReplayedRun run = replay("report.yaml");
   ASSERT_FALSE(run.estimate.empty());
-  // Measured: 0.032 to 0.033 m, of which 0.02 m is a steady lead ahead of the car that the table's
-  // wide hit (sigma 8 pixels = 0.4 m) brings with it; at sigma 2 there is none.
-  EXPECT_LE(run.summary["position_error_m"]["mean"], 0.035);
+  EXPECT_LE(run.summary["position_error_m"]["mean"], 0.03);
   EXPECT_LE(run.summary["position_error_m"]["max"], 0.25) << "never lost";
   EXPECT_GT(run.summary["scans_used"], 39.0 * kDriveSeconds);
   EXPECT_GE(shareWithin3Sigma(run, "x", &Pose2::x), 0.98);

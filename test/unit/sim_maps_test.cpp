@@ -21,15 +21,26 @@ TEST_P(OurMaps, AreWallsWhereTheWorldsWallsAre) {
   ASSERT_EQ(world.geometry().width, 5 * map.geometry().width);
   ASSERT_EQ(world.geometry().height, 5 * map.geometry().height);
   EXPECT_NEAR(map.geometry().resolution, 0.05, 1e-12);
+  int mostly_wall = 0, drawn = 0;
   for (int row = 0; row < map.geometry().height; ++row) {
     for (int column = 0; column < map.geometry().width; ++column) {
-      bool wall = false;
+      int wall = 0;  // fine cells of the 25
       for (int k = 0; k < 25; ++k) {
-        wall |= world.at({5 * column + k % 5, 5 * row + k / 5}) == OccupancyGrid::kOccupied;
+        wall += world.at({5 * column + k % 5, 5 * row + k / 5}) == OccupancyGrid::kOccupied;
       }
-      ASSERT_EQ(map.at({column, row}) == OccupancyGrid::kOccupied, wall) << column << ", " << row;
+      if (map.at({column, row}) == OccupancyGrid::kOccupied) {
+        ASSERT_GT(wall, 0) << column << ", " << row;
+      } else {
+        ASSERT_LT(wall, 25) << column << ", " << row;
+      }
+      // Between: where a wall ends in a cell, most beams must end there too.
+      if (wall >= 15) {
+        ++mostly_wall;
+        drawn += map.at({column, row}) == OccupancyGrid::kOccupied;
+      }
     }
   }
+  EXPECT_GT(drawn, 0.98 * mostly_wall);
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, OurMaps, testing::Values("corridor", "track"));
@@ -44,7 +55,13 @@ TEST(DrawMaps, DrawsTheMapsThatAreKept) {
   for (const std::string name : {"corridor", "corridor_world", "track", "track_world"}) {
     const OccupancyGrid drawn = loadMap(drawn_maps + name + ".yaml");
     const OccupancyGrid kept = loadMap(kMaps + name + ".yaml");
-    EXPECT_EQ(drawn.cells(), kept.cells()) << name;
+    ASSERT_EQ(drawn.cells().size(), kept.cells().size()) << name;
+    int differing = 0;
+    for (std::size_t i = 0; i < kept.cells().size(); ++i) {
+      differing += drawn.cells()[i] != kept.cells()[i];
+    }
+    // A beam along a cell's border may fall to either side with another version of numpy.
+    EXPECT_LE(differing, 20) << name;
     EXPECT_EQ(drawn.geometry().origin.x, kept.geometry().origin.x);
     EXPECT_EQ(drawn.geometry().origin.yaw, kept.geometry().origin.yaw);
   }
