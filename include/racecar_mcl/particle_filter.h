@@ -41,7 +41,7 @@ enum class SensorModel {
 
 struct SensorParameters {
   SensorModel sensor_model = SensorModel::kLikelihoodField;
-  RangeCasterParameters caster{"distance_transform", 0.0, UnknownIs::kFree};
+  RangeCasterParameters caster{"simd", 0.0, UnknownIs::kFree};
   BeamModelParameters beam;
   LikelihoodFieldParameters field;
 };

@@ -100,6 +100,9 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("range_method", p.sensor.caster.range_method);
   visit("max_range", p.sensor.caster.max_range);
   visit("unknown_is", p.sensor.caster.unknown_is);
+  visit("panorama_spacing", p.sensor.caster.panorama_spacing);
+  visit("panorama_directions", p.sensor.caster.panorama_directions);
+  visit("panorama_memory", p.sensor.caster.panorama_memory);
 
   visit("motion_from", p.odometry.motion_from);
   visit("max_odometry_gap", p.odometry.max_odometry_gap);

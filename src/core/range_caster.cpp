@@ -8,6 +8,8 @@
 #include "racecar_mcl/errors.h"
 #include "range_casters/bresenham_caster.h"
 #include "range_casters/distance_transform_caster.h"
+#include "range_casters/panorama_caster.h"
+#include "range_casters/simd_caster.h"
 
 namespace racecar_mcl {
 namespace {
@@ -23,6 +25,8 @@ std::unique_ptr<RangeCaster> make(const OccupancyGrid& grid,
 constexpr std::pair<const char*, Maker> kCasters[] = {
     {"bresenham", make<BresenhamCaster>},
     {"distance_transform", make<DistanceTransformCaster>},
+    {"panorama", make<PanoramaCaster>},
+    {"simd", make<SimdCaster>},
 };
 
 }  // namespace

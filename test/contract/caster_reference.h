@@ -4,28 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "racecar_mcl/occupancy_grid.h"
 
 namespace racecar_mcl {
-
-/// A grid from text lines, the first of them the highest row: '#' occupied, '.' free, '?' unknown.
-inline OccupancyGrid gridFromLines(const std::vector<std::string>& lines, double resolution = 1.0,
-                                   Pose2 origin = {}) {
-  const GridGeometry geometry{static_cast<int>(lines.front().size()),
-                              static_cast<int>(lines.size()), resolution, origin};
-  std::vector<std::int8_t> cells;
-  for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
-    for (const char c : *line) {
-      cells.push_back(c == '#'   ? OccupancyGrid::kOccupied
-                      : c == '?' ? OccupancyGrid::kUnknown
-                                 : OccupancyGrid::kFree);
-    }
-  }
-  return {geometry, std::move(cells)};
-}
 
 /// Intersects the ray with the square of every obstacle cell.
 inline double bruteForceRange(const OccupancyGrid& grid, UnknownIs unknown_is, double max_range,

@@ -6,18 +6,10 @@
 #include <string>
 
 #include "racecar_mcl/range_caster.h"
+#include "range_casters/beam_directions.h"
 #include "range_casters/padded_grid.h"
 
 namespace racecar_mcl {
-
-/// Unit vectors of the bearings, so that a ray costs an angle addition and no sine.
-struct BearingDirections {
-  explicit BearingDirections(const Eigen::ArrayXf& bearings)
-      : cosine(bearings.cast<double>().cos()), sine(bearings.cast<double>().sin()) {}
-
-  Eigen::ArrayXd cosine;
-  Eigen::ArrayXd sine;
-};
 
 inline void requireShape(const PoseBatch& poses, const Eigen::ArrayXf& bearings,
                          const Eigen::Ref<Eigen::ArrayXXf>& ranges) {
@@ -34,30 +26,26 @@ template <typename Walk>
 void castEach(const PaddedGrid& grid, double max_range, const PoseBatch& lidar_in_map,
               const Eigen::ArrayXf& bearings, Eigen::Ref<Eigen::ArrayXXf> ranges, Walk&& walk) {
   requireShape(lidar_in_map, bearings, ranges);
-  const BearingDirections beams(bearings);
+  ranges.setConstant(static_cast<float>(max_range));
   const double limit = max_range / grid.resolution();
-  for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
-    const double x = lidar_in_map.x[i];
-    const double y = lidar_in_map.y[i];
-    const double yaw = lidar_in_map.yaw[i];
-    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(yaw)) {
-      ranges.col(i).setConstant(static_cast<float>(max_range));
-      continue;
-    }
-    const PoseInCells pose = grid.toCells(x, y, yaw);
-    const bool inside = grid.contains(pose.x, pose.y);
-    if (!inside && !grid.outsideIsFree()) {
-      ranges.col(i).setZero();
-      continue;
-    }
-    for (Eigen::Index k = 0; k < bearings.size(); ++k) {
-      RayInCells ray{pose.x, pose.y, pose.cos_yaw * beams.cosine[k] - pose.sin_yaw * beams.sine[k],
-                     pose.sin_yaw * beams.cosine[k] + pose.cos_yaw * beams.sine[k]};
-      const double before = inside ? 0.0 : grid.enter(ray);
-      // The comparison is false for a bearing that is not finite, too.
-      const bool reaches = before < limit && std::isfinite(ray.dx);
-      const double cells = reaches ? before + walk(ray, limit - before) : limit;
-      ranges(k, i) = static_cast<float>(cells * grid.resolution());
+  for (Eigen::Index first = 0; first < bearings.size();) {
+    const BeamDirections<double> beams(bearings, first);
+    first = beams.end;
+    for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
+      if (!isFinite(lidar_in_map.pose(i))) continue;
+      const PoseInCells pose = grid.toCells(lidar_in_map.pose(i));
+      const bool inside = grid.contains(pose.position);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(beams.size); ++k) {
+        RayInCells ray{pose.position.x(), pose.position.y(),
+                       pose.cos_yaw * beams.cosine[k] - pose.sin_yaw * beams.sine[k],
+                       pose.sin_yaw * beams.cosine[k] + pose.cos_yaw * beams.sine[k]};
+        double cells = 0.0;
+        if (inside || grid.outsideIsFree()) {
+          const double before = inside ? 0.0 : grid.enter(ray);
+          cells = before < limit ? before + walk(ray, limit - before) : limit;
+        }
+        ranges(beams.index[k], i) = static_cast<float>(cells * grid.resolution());
+      }
     }
   }
 }

@@ -2,16 +2,13 @@
 // hits.
 #pragma once
 
-#include <vector>
-
 #include "racecar_mcl/range_caster.h"
+#include "range_casters/clearance_field.h"
 #include "range_casters/padded_grid.h"
 
 namespace racecar_mcl {
 
-/// From a cell with clearance c (see distance_field.h) a ray can go to the cell's border and c
-/// further: every cell on the way is free. Beside an obstacle c is 0 and the walk goes from border
-/// to border, so the range is exact.
+/// One ray after the other, in double precision: the plain sibling of SimdCaster.
 class DistanceTransformCaster : public RangeCaster {
  public:
   DistanceTransformCaster(const OccupancyGrid& grid, const RangeCasterParameters& parameters);
@@ -21,11 +18,9 @@ class DistanceTransformCaster : public RangeCaster {
   std::size_t memoryBytes() const override;
 
  private:
-  double walk(const RayInCells& ray, double limit) const;
-
   PaddedGrid grid_;
+  ClearanceField field_;
   double max_range_;
-  std::vector<float> field_;  ///< clearance in cells; negative where a ray ends
 };
 
 }  // namespace racecar_mcl

@@ -26,13 +26,16 @@ PaddedGrid::PaddedGrid(const GridGeometry& geometry, UnknownIs unknown_is)
       cos_origin_(std::cos(geometry.origin.yaw)),
       sin_origin_(std::sin(geometry.origin.yaw)) {}
 
-PoseInCells PaddedGrid::toCells(double x, double y, double yaw) const {
-  const double dx = (x - geometry_.origin.x) / geometry_.resolution;
-  const double dy = (y - geometry_.origin.y) / geometry_.resolution;
-  const double c = std::cos(yaw);
-  const double s = std::sin(yaw);
-  return {1.0 + cos_origin_ * dx + sin_origin_ * dy, 1.0 - sin_origin_ * dx + cos_origin_ * dy,
-          c * cos_origin_ + s * sin_origin_, s * cos_origin_ - c * sin_origin_};
+Eigen::Vector2d PaddedGrid::position(const Pose2& in_map) const {
+  const double dx = (in_map.x - geometry_.origin.x) / geometry_.resolution;
+  const double dy = (in_map.y - geometry_.origin.y) / geometry_.resolution;
+  return {1.0 + cos_origin_ * dx + sin_origin_ * dy, 1.0 - sin_origin_ * dx + cos_origin_ * dy};
+}
+
+PoseInCells PaddedGrid::toCells(const Pose2& in_map) const {
+  const double c = std::cos(in_map.yaw);
+  const double s = std::sin(in_map.yaw);
+  return {position(in_map), c * cos_origin_ + s * sin_origin_, s * cos_origin_ - c * sin_origin_};
 }
 
 double PaddedGrid::enter(RayInCells& ray) const {

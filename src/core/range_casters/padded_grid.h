@@ -2,6 +2,7 @@
 // check.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -12,8 +13,7 @@ namespace racecar_mcl {
 /// A pose seen from the grid: position in padded cells (the map's corner is (1, 1)), yaw from the
 /// grid's x axis.
 struct PoseInCells {
-  double x = 0.0;
-  double y = 0.0;
+  Eigen::Vector2d position{0.0, 0.0};
   double cos_yaw = 1.0;
   double sin_yaw = 0.0;
 };
@@ -50,11 +50,13 @@ class PaddedGrid {
            static_cast<std::size_t>(column);
   }
 
-  PoseInCells toCells(double x, double y, double yaw) const;
+  Eigen::Vector2d position(const Pose2& in_map) const;
+  PoseInCells toCells(const Pose2& in_map) const;
 
   /// Whether a position lies in the map, the ring excluded. False for what is not a number.
-  bool contains(double x, double y) const {
-    return x >= 1.0 && y >= 1.0 && x < geometry_.width + 1.0 && y < geometry_.height + 1.0;
+  bool contains(const Eigen::Vector2d& position) const {
+    return position.x() >= 1.0 && position.y() >= 1.0 && position.x() < geometry_.width + 1.0 &&
+           position.y() < geometry_.height + 1.0;
   }
 
   /// Moves the origin of a ray from outside the map to where it enters it. Returns the distance

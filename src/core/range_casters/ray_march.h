@@ -1,0 +1,48 @@
+// Many rays at once: the inner loop of SimdCaster, compiled once per instruction set.
+#pragma once
+
+#include <vector>
+
+#include "racecar_mcl/range_caster.h"
+#include "range_casters/clearance_field.h"
+#include "range_casters/padded_grid.h"
+
+namespace racecar_mcl {
+
+enum class InstructionSet { kPortable, kAvx2, kAvx512 };
+
+/// Those this program was built for and this processor has, the fastest last.
+std::vector<InstructionSet> availableInstructionSets();
+
+const char* nameOf(InstructionSet set);
+
+/// The poses of a batch that are to be cast: all, or `count` listed ones.
+struct PoseSelection {
+  const Eigen::Index* which = nullptr;
+  Eigen::Index count = 0;
+
+  Eigen::Index operator[](Eigen::Index i) const { return which == nullptr ? i : which[i]; }
+};
+
+/// Everything a march reads, and where it writes.
+struct MarchOrder {
+  const PaddedGrid& grid;
+  const ClearanceField& field;
+  double limit;  ///< cells; longer ranges are written as the cast's max_range
+  double max_range;
+  const PoseBatch& lidar_in_map;
+  const PoseSelection& selection;
+  const Eigen::ArrayXf& bearings;
+  Eigen::Ref<Eigen::ArrayXXf>& ranges;
+};
+
+/// Whether single precision and 32-bit indices serve for a map and a limit: false for maps of some
+/// 30,000 cells square, and limits over 16,384 cells.
+bool marchServes(const PaddedGrid& grid, double limit);
+
+/// Casts all finite bearings from those selected poses that lie in the map, and leaves the other
+/// ranges as they are. Every instruction set gives the same bits. Returns whether all selected
+/// poses lay in the map.
+bool march(InstructionSet set, const MarchOrder& order);
+
+}  // namespace racecar_mcl
