@@ -30,12 +30,11 @@ struct RangeCasterParameters {
   double max_range = 10.0;                  ///< m, no range is longer than this
   UnknownIs unknown_is = UnknownIs::kFree;  ///< also what the outside of the map is taken for
 
-  // Of the method that remembers, `panorama`: the finer, the more exact, and the more is to be cast
-  // and kept. Half a map cell and 0.3 degrees keep 95 % of the ranges within one cell.
-  double panorama_spacing =
-      0.025;                       ///< m, from one remembered place to the next, at most a map cell
-  int panorama_directions = 1200;  ///< a full turn's, rounded up to a multiple of 16
-  double panorama_memory = 60.0;   ///< MB, at most
+  // Of the method that remembers, `panorama`. Finer is more exact, costs more rays and remembers
+  // less far; half a map cell and 0.3 degrees keep 95 % of the ranges within one cell.
+  double panorama_spacing = 0.025;  ///< m between remembered places, at most a map cell
+  int panorama_directions = 1200;   ///< in a full turn, 16 to 16384; made a multiple of 16
+  double panorama_memory = 60.0;    ///< MB, 0 to 10000; at most that
 };
 
 /// Casts rays from many poses at many bearings.
@@ -67,7 +66,10 @@ class RangeCaster {
 /// The names `makeRangeCaster` knows.
 std::vector<std::string> rangeCasterNames();
 
-/// Throws ParameterError on an unknown method or a max_range that is not positive.
+/// Throws ParameterError on an unknown method and on a value out of range.
+void validate(const RangeCasterParameters& parameters);
+
+/// Throws as `validate`.
 std::unique_ptr<RangeCaster> makeRangeCaster(const OccupancyGrid& grid,
                                              const RangeCasterParameters& parameters);
 

@@ -100,16 +100,10 @@ void validate(const ParticleFilterParameters& p) {
 void validate(const SensorParameters& p) {
   validate(p.beam);
   validate(p.field);
-  std::ostringstream problem;
-  const std::vector<std::string> methods = rangeCasterNames();
-  if (std::find(methods.begin(), methods.end(), p.caster.range_method) == methods.end()) {
-    problem << "range_method is '" << p.caster.range_method << "'; it must be one of";
-    for (const std::string& method : methods) problem << " " << method;
-  } else if (!(std::isfinite(p.caster.max_range) && p.caster.max_range >= 0.0)) {
-    problem << "max_range is " << p.caster.max_range
-            << " m; it must be positive, or 0 for the sensor table's range";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  if (p.caster.max_range != 0.0) return validate(p.caster);
+  RangeCasterParameters filled = p.caster;  // 0 stands for the range of the sensor table
+  filled.max_range = 1.0;
+  validate(filled);
 }
 
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameters& sensor) {

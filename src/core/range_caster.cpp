@@ -1,7 +1,8 @@
 #include "racecar_mcl/range_caster.h"
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -37,20 +38,31 @@ std::vector<std::string> rangeCasterNames() {
   return names;
 }
 
+void validate(const RangeCasterParameters& p) {
+  std::ostringstream problem;
+  const std::vector<std::string> methods = rangeCasterNames();
+  if (std::find(methods.begin(), methods.end(), p.range_method) == methods.end()) {
+    problem << "range_method is '" << p.range_method << "'; it must be one of";
+    for (const std::string& method : methods) problem << " " << method;
+  } else if (!(std::isfinite(p.max_range) && p.max_range > 0.0)) {
+    problem << "max_range is " << p.max_range << " m; it must be positive and finite";
+  } else if (!(std::isfinite(p.panorama_spacing) && p.panorama_spacing > 0.0)) {
+    problem << "panorama_spacing is " << p.panorama_spacing << " m; it must be positive";
+  } else if (p.panorama_directions < 16 || p.panorama_directions > 16384) {
+    problem << "panorama_directions is " << p.panorama_directions << "; it must lie in [16, 16384]";
+  } else if (!(p.panorama_memory >= 0.0 && p.panorama_memory <= 10000.0)) {
+    problem << "panorama_memory is " << p.panorama_memory << " MB; it must lie in [0, 10000]";
+  }
+  if (!problem.str().empty()) throw ParameterError(problem.str());
+}
+
 std::unique_ptr<RangeCaster> makeRangeCaster(const OccupancyGrid& grid,
                                              const RangeCasterParameters& parameters) {
-  if (!std::isfinite(parameters.max_range) || parameters.max_range <= 0.0) {
-    std::ostringstream problem;
-    problem << "max_range is " << parameters.max_range << " m; it must be positive and finite";
-    throw ParameterError(problem.str());
-  }
-  for (const auto& [name, maker] : kCasters) {
-    if (parameters.range_method == name) return maker(grid, parameters);
-  }
-  std::string known;
-  for (const std::string& name : rangeCasterNames()) known += (known.empty() ? "" : ", ") + name;
-  throw ParameterError("range_method is \"" + parameters.range_method + "\"; it must be one of " +
-                       known);
+  validate(parameters);
+  const auto* const caster =
+      std::find_if(std::begin(kCasters), std::end(kCasters),
+                   [&](const auto& named) { return parameters.range_method == named.first; });
+  return caster->second(grid, parameters);
 }
 
 }  // namespace racecar_mcl

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
-#include "racecar_mcl/errors.h"
 #include "range_casters/cast_each.h"
 
 namespace racecar_mcl {
@@ -12,19 +10,6 @@ namespace {
 
 constexpr std::uint16_t kNothing = 65535;  // the code of a ray that meets no obstacle
 constexpr float kLongest = 65534.0F;       // the largest code of one that does
-
-const RangeCasterParameters& validated(const RangeCasterParameters& p) {
-  std::ostringstream problem;
-  if (!(std::isfinite(p.panorama_spacing) && p.panorama_spacing > 0.0)) {
-    problem << "panorama_spacing is " << p.panorama_spacing << " m; it must be positive";
-  } else if (p.panorama_directions < 16 || p.panorama_directions > 16384) {
-    problem << "panorama_directions is " << p.panorama_directions << "; it must lie in [16, 16384]";
-  } else if (!(p.panorama_memory >= 0.0 && p.panorama_memory <= 1e6)) {
-    problem << "panorama_memory is " << p.panorama_memory << " MB; it must lie in [0, 1e6]";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
-  return p;
-}
 
 /// An angle as a number of directions in [0, directions), whole turns left out.
 float toDirections(double angle, int directions) {
@@ -73,7 +58,7 @@ void lookUp(const std::uint16_t* panorama, int directions, float heading, const 
 PanoramaCaster::PanoramaCaster(const OccupancyGrid& grid, const RangeCasterParameters& parameters,
                                Thrift thrift)
     : geometry_(grid.geometry()),
-      exact_(grid, validated(parameters)),
+      exact_(grid, parameters),
       max_range_(parameters.max_range),
       metres_per_code_(
           static_cast<float>(std::min(max_range_, std::hypot(geometry_.width, geometry_.height) *

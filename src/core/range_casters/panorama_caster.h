@@ -28,7 +28,6 @@ class PanoramaCaster : public RangeCaster {
     kAtOnce        ///< wherever a pose is, for tests
   };
 
-  /// Throws ParameterError on a parameter outside its range.
   PanoramaCaster(const OccupancyGrid& grid, const RangeCasterParameters& parameters,
                  Thrift thrift = Thrift::kWhenWorthIt);
 
