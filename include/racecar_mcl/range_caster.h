@@ -31,9 +31,9 @@ struct RangeCasterParameters {
   UnknownIs unknown_is = UnknownIs::kFree;  ///< also what the outside of the map is taken for
 
   // Of the method that remembers, `panorama`. Finer is more exact, costs more rays and remembers
-  // less far; half a map cell and 0.3 degrees keep 95 % of the ranges within one cell.
+  // less far; half a map cell and 0.35 degrees keep 95 % of the ranges within one cell.
   double panorama_spacing = 0.025;  ///< m between remembered places, at most a map cell
-  int panorama_directions = 1200;   ///< in a full turn, 16 to 16384; made a multiple of 16
+  int panorama_directions = 1024;   ///< in a full turn, 16 to 16384; made a multiple of 16
   double panorama_memory = 60.0;    ///< MB, 0 to 10000; at most that
 };
 

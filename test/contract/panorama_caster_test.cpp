@@ -69,7 +69,7 @@ TEST(PanoramaCaster, StaysWithinItsErrorOverADrive) {
 
 TEST(PanoramaCaster, ForgetsTheOldestWhereMemoryIsShort) {
   const OccupancyGrid grid = floorPlan();
-  PanoramaCaster caster(grid, parametersWith(0.3));  // 120 panoramas
+  PanoramaCaster caster(grid, parametersWith(0.3));  // 140 panoramas
   const auto [over_one, over_three] = driveWith(caster, grid);
   EXPECT_GT(over_one, 0.001);
   EXPECT_LT(over_one, 0.05);
