@@ -9,25 +9,20 @@
 
 #include "apps/simulate_bag_recording.h"
 #include "racecar_mcl/errors.h"
-#include "racecar_mcl/map_io.h"
+#include "ros/node_parameters.h"
 #include "sim/lap_counter.h"
-#include "sim/placement.h"
+#include "sim/scene.h"
 #include "sim/simulator.h"
 #include "sim/wall_follower.h"
 
 namespace racecar_mcl {
 namespace {
 
-constexpr double kStartTime = 1000.0;    // s; ROS takes 0 for no time at all
-constexpr double kDriverPeriod = 0.02;   // s, between the driver's looks
-constexpr double kLongestLap = 300.0;    // s, after which a lap is given up
-constexpr double kStartClearance = 0.3;  // m, round a start drawn at random
-constexpr std::uint64_t kPlacesSeed =
-    0x706c616365ULL;  // parts the places drawn from the sensors' noise
+constexpr double kStartTime = 1000.0;   // s; ROS takes 0 for no time at all
+constexpr double kDriverPeriod = 0.02;  // s, between the driver's looks
+constexpr double kLongestLap = 300.0;   // s, after which a lap is given up
 
 struct Options {
-  std::string map;
-  std::string world;
   std::string bag;
   std::string truth;
   std::string start;
@@ -36,8 +31,7 @@ struct Options {
   std::uint64_t seed = 1;
   double odometry_noise = sim::OdometryParameters().noise.vx;
   bool follow_right = false;
-  int obstacles = 0;
-  int moving_obstacles = 0;
+  sim::SceneParameters scene;
   sim::SimulatorParameters simulator;
   sim::WallFollowerParameters follower;
 };
@@ -48,8 +42,9 @@ void declare(CLI::App& app, Options& o) {
   const auto option = [&app](const char* name, auto& value, const char* description) {
     app.add_option(name, value, description)->capture_default_str();
   };
-  app.add_option("--map", o.map, "map_server YAML of the map")->required();
-  app.add_option("--world", o.world, "YAML of the finer world [<map>_world.yaml, else the map]");
+  app.add_option("--map", o.scene.map, "map_server YAML of the map")->required();
+  app.add_option("--world", o.scene.world,
+                 "YAML of the finer world [<map>_world.yaml, else the map]");
   app.add_option("--out", o.bag, "the bag to write")->required();
   app.add_option("--truth", o.truth, "TUM file for the true poses of base_link in map");
   app.add_option("--start", o.start, "\"x y yaw\" in map [<map>_start.yaml, else random]");
@@ -77,18 +72,8 @@ void declare(CLI::App& app, Options& o) {
   option("--max-range", lidar.range_max, "m");
   app.add_flag("--instant-scans", lidar.instant, "all beams at once: no distortion");
   option("--glass", lidar.glass.share, "share of the walls that return nothing");
-  option("--obstacles", o.obstacles, "unmapped things beside the walls");
-  option("--moving-obstacles", o.moving_obstacles, "how many of them walk");
-}
-
-Pose2 parsePose(const std::string& text) {
-  std::istringstream numbers(text);
-  Pose2 pose;
-  std::string rest;
-  if (!(numbers >> pose.x >> pose.y >> pose.yaw) || numbers >> rest || !isFinite(pose)) {
-    throw ParameterError("--start is \"" + text + "\"; expected \"x y yaw\" (m, m, rad)");
-  }
-  return pose;
+  option("--obstacles", o.scene.obstacles, "unmapped things beside the walls");
+  option("--moving-obstacles", o.scene.moving_obstacles, "how many of them walk");
 }
 
 void validate(Options& o) {
@@ -101,34 +86,16 @@ void validate(Options& o) {
   require(std::isfinite(o.duration) && o.duration >= 0.0, "--duration", o.duration,
           "at least 0 (s)");
   require(o.laps >= 0, "--laps", o.laps, "at least 0");
-  require(o.obstacles >= 0, "--obstacles", o.obstacles, "at least 0");
-  require(o.moving_obstacles >= 0 && o.moving_obstacles <= o.obstacles, "--moving-obstacles",
-          o.moving_obstacles, "between 0 and the number of --obstacles");
   if (o.truth == o.bag) throw ParameterError("--out and --truth both name " + o.bag);
   if (o.laps == 0 && o.duration == 0.0) o.duration = 60.0;
   o.simulator.odometry.noise = {o.odometry_noise, o.odometry_noise, o.odometry_noise};
   o.simulator.validate();
+  if (!o.start.empty()) o.scene.start = parsePose(o.start);
+  o.scene.seed = o.seed;
+  o.scene.car = o.simulator.car;
   o.follower.side = o.follow_right ? sim::Side::kRight : sim::Side::kLeft;
   o.follower.car = o.simulator.car;
   o.follower.validate();
-}
-
-Pose2 chooseStart(const Options& o, const std::string& world_path, const sim::World& world,
-                  Random& random) {
-  Pose2 start;
-  if (!o.start.empty()) {
-    start = parsePose(o.start);
-  } else if (!sim::loadStartPose(o.map, start)) {
-    return sim::randomFreePose(world, o.simulator.car, random, kStartClearance);
-  }
-  if (!world.isFree({start.x, start.y}) || sim::overlaps(start, o.simulator.car, world, {}, 0.0)) {
-    std::ostringstream message;
-    message << "the start pose (" << start.x << ", " << start.y << ", " << start.yaw
-            << ") is not in the free space of " << world_path
-            << "; give a free one with --start \"x y yaw\"";
-    throw ParameterError(message.str());
-  }
-  return start;
 }
 
 struct Drive {
@@ -180,20 +147,16 @@ Drive driveAndRecord(const Options& o, sim::Simulator& simulator, Recording& rec
 
 void run(Options& o) {
   validate(o);
-  loadMap(o.map);  // so that a broken map is told of even where the drive needs its world only
-  const std::string world_path = o.world.empty() ? sim::worldPathFor(o.map) : o.world;
-  const auto world = std::make_shared<const sim::World>(loadMap(world_path));
-  Random random(o.seed ^ kPlacesSeed);
-  const Pose2 start = chooseStart(o, world_path, *world, random);
-  sim::Simulator simulator(world, o.simulator, start, o.seed, kStartTime);
-  simulator.setObstacles(
-      sim::scatterObstacles(*world, o.obstacles, o.moving_obstacles, start, random));
+  const sim::Scene scene = sim::loadScene(o.scene);
+  const Pose2& start = scene.start_in_map;
+  sim::Simulator simulator(scene.world, o.simulator, start, o.seed, kStartTime);
+  simulator.setObstacles(scene.obstacles);
 
   Recording recording(o.bag, o.truth, o.simulator, kStartTime);
   const Drive drive = driveAndRecord(o, simulator, recording);
   recording.commit();
   std::printf("%s: %.1f s in %s from (%.3f, %.3f, %.3f)\n", o.bag.c_str(), drive.seconds,
-              world_path.c_str(), start.x, start.y, start.yaw);
+              scene.world_path.c_str(), start.x, start.y, start.yaw);
   std::printf("laps %d, distance %.1f m, mean %.2f m/s, top %.2f m/s, collisions %d\n", drive.laps,
               drive.distance, drive.distance / drive.seconds, drive.top_speed,
               simulator.collisions());

@@ -47,6 +47,7 @@ void Obstacle::validate() const {
     requirePositive("obstacle width (m)", width);
   }
   requireNotNegative("obstacle speed (m/s)", speed);
+  requireFinite("obstacle start time (s)", start_time);
   requireFinite("obstacle x (m)", in_map.x);
   requireFinite("obstacle y (m)", in_map.y);
   requireFinite("obstacle yaw (rad)", in_map.yaw);
@@ -64,7 +65,7 @@ Pose2 poseAt(const Obstacle& obstacle, double time) {
   if (total == 0.0) return {path.front().x(), path.front().y(), obstacle.in_map.yaw};
 
   // Out and back is a period of 2 total; the second half runs backwards.
-  double along = std::fmod(obstacle.speed * std::max(time, 0.0), 2.0 * total);
+  double along = std::fmod(obstacle.speed * std::max(time - obstacle.start_time, 0.0), 2.0 * total);
   const bool back = along > total;
   if (back) along = 2.0 * total - along;
   for (std::size_t i = 1; i < path.size(); ++i) {

@@ -21,7 +21,8 @@ struct Obstacle {
   /// Points of the map walked from first to last and back again, without end, at `speed` from
   /// `path.front()` on; a box looks where it goes. One point is a place to stand.
   std::vector<Eigen::Vector2d> path;
-  double speed = 0.0;  ///< m/s
+  double speed = 0.0;       ///< m/s
+  double start_time = 0.0;  ///< s, when it sets off from `path.front()`
 
   /// Throws ParameterError, naming the field, on a size that is not positive or a number that is
   /// not finite.
