@@ -192,9 +192,10 @@ void SimulatorNode::onPlace(const geometry_msgs::PoseStampedConstPtr& message) {
     requireMapFrame(message->header.frame_id);
     const Pose2 pose = toPose2(message->pose);
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (sim::overlaps(pose, parameters_.simulator.car, *scene_.world, simulator_.obstacles(),
+    if (!scene_.world->isFree({pose.x, pose.y}) ||
+        sim::overlaps(pose, parameters_.simulator.car, *scene_.world, simulator_.obstacles(),
                       simulator_.time())) {
-      throw MessageError("something stands there");
+      throw MessageError("the car would not stand free there");
     }
     simulator_.place(pose);
     laps_ = sim::LapCounter(pose);
@@ -260,20 +261,27 @@ bool SimulatorNode::onClearObstacles(std_srvs::Empty::Request&, std_srvs::Empty:
 bool SimulatorNode::onReload(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   try {
     const SimulatorNodeParameters read = readParameters(private_node_, is_clock_);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    const sim::SceneParameters& old = parameters_.scene;
-    if (read.scene.map != old.map || read.scene.world != old.world ||
-        read.start != parameters_.start) {
+    SimulatorNodeParameters old;
+    Pose2 base_in_map;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      old = parameters_;
+      base_in_map = simulator_.truth().base_in_map;
+    }
+    if (read.scene.map != old.scene.map || read.scene.world != old.scene.world ||
+        read.start != old.start) {
       throw ParameterError("map, world and start hold from the simulator's start on");
     }
-    if (read.scene.obstacles != old.obstacles ||
-        read.scene.moving_obstacles != old.moving_obstacles || read.scene.seed != old.seed) {
-      simulator_.setObstacles(
-          sim::drawObstacles(read.scene, *scene_.world, simulator_.truth().base_in_map));
-      obstacles_changed_ = true;
+    std::optional<std::vector<sim::Obstacle>> obstacles;
+    if (read.scene.obstacles != old.scene.obstacles || read.scene.seed != old.scene.seed ||
+        read.scene.moving_obstacles != old.scene.moving_obstacles) {
+      obstacles = sim::drawObstacles(read.scene, *scene_.world, base_in_map);
     }
+    const std::lock_guard<std::mutex> lock(mutex_);
     simulator_.setParameters(read.simulator);
     follower_.setParameters(read.follower);
+    if (obstacles) simulator_.setObstacles(std::move(*obstacles));
+    obstacles_changed_ = true;
     parameters_ = read;
     response.success = true;
     response.message = "holds from the next step on";
