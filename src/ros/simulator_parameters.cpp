@@ -82,7 +82,7 @@ SimulatorNodeParameters readSimulatorParameters(const ros::NodeHandle& private_n
       });
       if (!known) {
         throw ParameterError("the simulator has no parameter '" + name +
-                             "'; docs/parameters.md lists those it has");
+                             "'; docs/simulator.md lists those it has");
       }
     }
   }
@@ -94,6 +94,8 @@ SimulatorNodeParameters readSimulatorParameters(const ros::NodeHandle& private_n
       choose<sim::Side>("side", p.side, {{"left", sim::Side::kLeft}, {"right", sim::Side::kRight}});
   if (!p.start.empty()) p.scene.start = parsePose(p.start);
   p.scene.seed = static_cast<std::uint64_t>(p.seed);
+  sim::LidarParameters& lidar = p.simulator.lidar;
+  lidar.sweep_time = lidar.field_of_view / (2.0 * kPi) / lidar.rate;  // its mirror turns evenly
   p.scene.car = p.simulator.car;
   p.follower.car = p.simulator.car;
   validate(p);

@@ -61,6 +61,8 @@ class LaunchFiles(unittest.TestCase):
         yield load("replay_bag.launch", bag=self.bag, tf_mode="map_to_base")
         yield load("demo.launch", bag=self.bag, map=MAP, record=self.folder / "out.bag")
         yield load("record.launch")
+        yield load("simulate.launch")
+        yield load("simulate.launch", localize="true", rviz="true", map="track", odom_tf="false")
 
     def testEveryFileIsLoadedHere(self):
         here = set(re.findall(r"[a-z_]+\.launch", Path(__file__).read_text(encoding="utf-8")))
@@ -136,21 +138,61 @@ class LaunchFiles(unittest.TestCase):
         self.assertIn("/x.bag'", player.args)
         self.assertRegex(player.args, r" '/\S+/x\.bag'$")
 
-    def testRvizShowsWhatTheLocalizerPublishes(self):
+    def testSimulatesOnAMapOfItsOwnOrOfOthers(self):
+        name = "/simulator/map"
+        self.assertEqual(parameter(load("simulate.launch"), name), MAP)
+        self.assertEqual(parameter(load("simulate.launch", map="track"), name),
+                         str(ROOT / "maps/track.yaml"))
+        self.assertEqual(parameter(load("simulate.launch", map="/of/others.yaml"), name),
+                         "/of/others.yaml")
+        self.assertRegex(parameter(load("simulate.launch", map="others.yaml"), name),
+                         r"^/.+/others\.yaml$")
+
+    def testSimulatesForALocalizerThatIsToldOfTheStartOrNot(self):
+        config = load("simulate.launch")
+        self.assertEqual(set(nodes(config)), {"simulator", "map_source"})
+        config = load("simulate.launch", localize="true")
+        self.assertTrue(parameter(config, "/use_sim_time"))
+        self.assertTrue(parameter(config, "/simulator/announce_start"))
+        self.assertEqual(parameter(config, "/localization/tf_mode"), "map_to_odom")
+        config = load("simulate.launch", localize="true", global_start="true", odom_tf="false")
+        self.assertFalse(parameter(config, "/simulator/announce_start"))
+        self.assertEqual(parameter(config, "/localization/global_start"), "true")
+        self.assertFalse(parameter(config, "/simulator/publish_odom_tf"))
+        self.assertEqual(parameter(config, "/localization/tf_mode"), "map_to_base")
+
+    def testSimulatorsParametersAreOnesItHas(self):
+        source = (ROOT / "src/ros/simulator_parameters.h").read_text(encoding="utf-8")
+        known = set(re.findall(r'visit\("(\w+)"', source))
+        given = {name.split("/")[2] for name in load("simulate.launch").params
+                 if name.startswith("/simulator/")}
+        self.assertLessEqual(given, known)
+        self.assertIn("slip", given)
+
+    def assertRvizFits(self, config, topics, tools):
+        """It shows these topics and sends by these tools, and all of them exist."""
         source = "".join(path.read_text(encoding="utf-8")
                          for path in (ROOT / "src/ros").glob("*.cpp"))
         published = {f"/{topic}" for topic in re.findall(r'advertise<[\w:]+>\(\s*"([\w/]+)"', source)}
+        published |= {f"/simulator{topic}" for topic in published}
         subscribed = {f"/{topic}" for topic in re.findall(r'subscribe\(\s*"([\w/]+)"', source)}
-        rviz = yaml.safe_load((ROOT / "config/localization.rviz").read_text(encoding="utf-8"))
+        subscribed |= {f"/simulator{topic}" for topic in subscribed}
+        rviz = yaml.safe_load((ROOT / "config" / config).read_text(encoding="utf-8"))
         manager = rviz["Visualization Manager"]
         shown = {display.get("Topic") or display.get("Marker Topic")
                  for display in manager["Displays"] if display["Value"]}
-        self.assertLessEqual({"/map", "/pf/viz/particles", "/pf/viz/particle_markers", "/pf/viz/scan",
-                              "/pf/viz/fake_scan", "/pf/pose/odom"}, shown)
+        self.assertLessEqual(topics, shown)
         self.assertLessEqual(shown, published)
         sent = {tool["Topic"] for tool in manager["Tools"] if "Topic" in tool}
-        self.assertEqual(sent, {"/initialpose", "/clicked_point"})
+        self.assertEqual(sent, tools)
         self.assertLessEqual(sent, subscribed)
+
+    def testRvizShowsWhatTheLocalizerPublishes(self):
+        topics = {"/map", "/pf/viz/particles", "/pf/viz/particle_markers", "/pf/viz/scan",
+                  "/pf/viz/fake_scan", "/pf/pose/odom"}
+        self.assertRvizFits("localization.rviz", topics, {"/initialpose", "/clicked_point"})
+        self.assertRvizFits("simulation.rviz", topics | {"/simulator/car", "/simulator/obstacles"},
+                            {"/initialpose", "/simulator/place", "/simulator/add_obstacle"})
 
 
 if __name__ == "__main__":

@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+"""The keyboard's driver, and the errors that are told while a simulation runs."""
+import importlib.machinery
+import importlib.util
+import math
+import os
+import pty
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import rosunit
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+
+
+def load(name):
+    loader = importlib.machinery.SourceFileLoader(name, str(SCRIPTS / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
+
+
+teleop = load("teleop")
+watch_error = load("watch_error")
+
+
+class Teleop(unittest.TestCase):
+    def testKeepsItsSpeedAndStraightensItsWheels(self):
+        drive = teleop.Drive(top_speed=4.0, top_curvature=1.0)
+        drive.press("up")
+        drive.press("up")
+        drive.press("left")
+        self.assertAlmostEqual(drive.speed, 0.5)
+        self.assertGreater(drive.turn_rate, 0.0)
+        for _ in range(100):
+            drive.wait(0.05)
+        self.assertAlmostEqual(drive.speed, 0.5)
+        self.assertLess(drive.turn_rate, 1e-3)
+        drive.press("stop")
+        self.assertEqual(drive.speed, 0.0)
+
+    def testStaysWithinItsLimits(self):
+        drive = teleop.Drive(top_speed=1.0, top_curvature=0.5)
+        for _ in range(50):
+            drive.press("down")
+            drive.press("right")
+        self.assertEqual((drive.speed, drive.curvature), (-1.0, -0.5))
+        drive.wait(1000.0)
+        self.assertEqual(drive.curvature, 0.0)
+
+    def testReadsKeysHoweverTheyArriveTogether(self):
+        self.assertEqual(teleop.actions_of("w\x1b[A\x1b[D q"), ["up", "up", "left", "stop", "end"])
+        self.assertEqual(teleop.actions_of("\x1b[ZxW"), [])
+
+    def testWantsATerminal(self):
+        result = subprocess.run([str(SCRIPTS / "teleop")], stdin=subprocess.DEVNULL, check=False,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn(b"no terminal", result.stderr)
+
+    def testLeavesTheTerminalAsItWas(self):
+        master, slave = pty.openpty()
+        before = teleop.termios.tcgetattr(slave)
+        # Without a master it waits to be registered, in raw mode already; Ctrl-C then ends it.
+        environment = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:1")
+        with subprocess.Popen([str(SCRIPTS / "teleop")], stdin=slave, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, env=environment) as process:
+            end = time.monotonic() + 20.0
+            while teleop.termios.tcgetattr(slave) == before and time.monotonic() < end:
+                time.sleep(0.05)
+            self.assertNotEqual(teleop.termios.tcgetattr(slave), before)
+            process.send_signal(2)
+            process.wait(20.0)
+        self.assertEqual(teleop.termios.tcgetattr(slave), before)
+        os.close(master)
+        os.close(slave)
+
+
+class WatchError(unittest.TestCase):
+    def testInterpolatesTheTruthTheShortWayRound(self):
+        truth = watch_error.Truth()
+        truth.add(1.0, 0.0, 0.0, math.pi - 0.1)
+        truth.add(2.0, 1.0, 2.0, -math.pi + 0.1)
+        x, y, yaw = truth.at(1.5)
+        self.assertAlmostEqual(x, 0.5)
+        self.assertAlmostEqual(y, 1.0)
+        self.assertAlmostEqual(abs(yaw), math.pi)
+        self.assertEqual(truth.at(2.0)[:2], (1.0, 2.0))
+        self.assertIsNone(truth.at(0.9))
+        self.assertIsNone(truth.at(2.1))
+
+    def testForgetsWhatIsOldAndStartsAgainWhereTimeDoes(self):
+        truth = watch_error.Truth()
+        for k in range(1000):
+            truth.add(0.01 * k, 0.0, 0.0, 0.0)
+        self.assertLess(len(truth.stamps), 250)
+        truth.add(1.0, 5.0, 0.0, 0.0)
+        self.assertEqual(truth.at(1.0), (5.0, 0.0, 0.0))
+        self.assertIsNone(truth.at(9.0))
+
+    def testSumsUp(self):
+        text = watch_error.summary([(0.01, 0.0), (0.03, math.radians(-2.0))])
+        self.assertIn("mean 2.0 cm", text)
+        self.assertIn("max 3.0 cm", text)
+        self.assertIn("heading: mean 1.00 deg", text)
+
+
+class SimulationScripts(unittest.TestSuite):
+    def __init__(self):
+        loader = unittest.defaultTestLoader
+        super().__init__([loader.loadTestsFromTestCase(Teleop),
+                          loader.loadTestsFromTestCase(WatchError)])
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("racecar_mcl", "simulation_scripts_test", "__main__.SimulationScripts",
+                    sysargs=sys.argv)
