@@ -102,6 +102,21 @@ TEST_F(SimulatorTopicsTest, ObeysTwistsWhileTheyAreFresh) {
   EXPECT_TRUE(waitFor([&] { return speed() == 0.0; })) << "nobody commands any more";
 }
 
+#ifdef RACECAR_MCL_HAS_ACKERMANN
+TEST_F(SimulatorTopicsTest, ObeysAckermannCommands) {
+  startNode();
+  ros::Publisher drives = handle_.advertise<ackermann_msgs::AckermannDriveStamped>("drive", 5);
+  EXPECT_TRUE(waitFor([&] {
+    ackermann_msgs::AckermannDriveStamped command;
+    command.drive.speed = 1.0;
+    command.drive.steering_angle = 0.2;
+    drives.publish(command);
+    // wz = speed tan(steering) / wheelbase
+    return std::abs(truth_.newest().twist.twist.angular.z - std::tan(0.2) / 0.325) < 1e-3;
+  }));
+}
+#endif
+
 TEST_F(SimulatorTopicsTest, DropsCommandsThatAreNotFinite) {
   startNode();
   drive(std::numeric_limits<double>::quiet_NaN(), 0.0);
