@@ -88,7 +88,6 @@ SimulatorNode::~SimulatorNode() {
 void SimulatorNode::run() {
   using Clock = std::chrono::steady_clock;
   auto due = Clock::now();
-  double delay = 0.0;
   while (!stopping_ && ros::ok()) {
     double real_time_factor;
     {
@@ -100,10 +99,12 @@ void SimulatorNode::run() {
     const auto late = Clock::now() - due;
     if (late > kStall) {
       // Run after, the lost time would flood everybody. A clock of our own has simply stood still.
-      if (!is_clock_) delay += std::chrono::duration<double>(late).count();
+      if (!is_clock_) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        output_.addDelay(std::chrono::duration<double>(late).count());
+      }
       due = Clock::now();
     }
-    output_.setDelay(delay);
     std::this_thread::sleep_until(due);
     publish(step());
   }

@@ -84,7 +84,7 @@ class SimulatorNode {
   int collisions_ = 0;
   bool obstacles_changed_ = true;
 
-  SimulatorOutput output_;
+  SimulatorOutput output_;  ///< the driving thread's; its delay is guarded by `mutex_`
   ros::Publisher start_announcer_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;

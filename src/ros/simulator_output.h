@@ -18,8 +18,8 @@ class SimulatorOutput {
   SimulatorOutput(ros::NodeHandle node, ros::NodeHandle private_node,
                   const SimulatorNodeParameters& parameters, bool publish_clock);
 
-  /// s, added to every stamp from now on: how far simulated time has fallen behind the wall's.
-  void setDelay(double delay) { delay_ = delay; }
+  /// s, added to every stamp from now on: by how much more simulated time is behind the wall's.
+  void addDelay(double delay) { delay_ += delay; }
 
   void publishClock(double now);
   void publish(const sim::Event& event, const SimulatorNodeParameters& parameters);
