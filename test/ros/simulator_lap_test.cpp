@@ -115,10 +115,10 @@ TEST(SimulatorLapTest, IsDrivenAndLocalizedFasterThanRealTime) {
   for (const double error : errors) mean += error / static_cast<double>(errors.size());
   std::printf("%.1f s at %.2f times real time; position error: mean %.4f m, max %.4f m\n",
               simulated, factor, mean, errors.back());
-  EXPECT_LT(mean, 0.03);
+  EXPECT_LT(mean, 0.04);
   EXPECT_LT(errors.back(), 0.2);
   EXPECT_EQ(truth.collisions(), 0);
-  EXPECT_GT(factor, 0.75 * kRealTimeFactor);
+  EXPECT_GT(factor, 1.2) << "a busy machine may lag, but not by so much";
   EXPECT_LT(factor, 1.1 * kRealTimeFactor);
 
   using Parents = std::set<std::string>;
