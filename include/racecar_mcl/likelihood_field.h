@@ -17,9 +17,8 @@ struct LikelihoodFieldParameters {
   double field_max_range = 30.0;  ///< m, longer beams and those without a return are not weighed
   double field_squash = 5.3;      ///< a particle's weight is the product of its beams to the power
                                   ///< 1 / this
-  double field_inside = 0.5;  ///< what a metre behind a wall's surface counts against one in front
-                              ///< of it, in [0, 1]: 1 where maps draw walls sharply, 0 where they
-                              ///< smear them
+  double field_inside = 0.5;  ///< what a metre behind the surface of a thick wall (0.45 m and more)
+                              ///< counts against one in front of it, in [0, 1]
 };
 
 /// Throws ParameterError on a value out of range.
@@ -29,12 +28,12 @@ void validate(const LikelihoodFieldParameters& parameters);
 ///
 ///   log((1 - field_rand) / (1 + (d / field_sigma)^2) + field_rand).
 ///
-/// Surfaces are the obstacle cells that touch free space, for those alone a lidar sees; inside an
-/// obstacle d counts field_inside of its length, as maps tend to draw walls too thick. The values
-/// are stored per cell and interpolated between cell centres, so that the result does not jump from
-/// cell to cell. The tails are a Cauchy's, not a Gaussian's: maps are wrong by more than their
-/// lidar's noise. A beam that ends outside the map, by more than four field_sigma, counts as
-/// field_rand.
+/// Surfaces are the obstacle cells that touch free space, for those alone a lidar sees; inside a
+/// wall drawn 0.45 m thick or more d counts field_inside of its length, for the true surface may
+/// lie anywhere in there. The values are stored per cell and interpolated between cell centres, so
+/// that the result does not jump from cell to cell. The tails are a Cauchy's, not a Gaussian's:
+/// maps are wrong by more than their lidar's noise. A beam that ends outside the map, by more than
+/// four field_sigma, counts as field_rand.
 class LikelihoodField {
  public:
   LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);

@@ -14,6 +14,10 @@ namespace {
 constexpr double kMarginSigmas = 4.0;
 constexpr double kWidestMargin = 200.0;  // cells
 
+// A wall at least this thick, m, is drawn thicker than lidars see walls: its true surface may lie
+// anywhere inside. Thinner ones are as sharp as the cells.
+constexpr double kThickWall = 0.45;
+
 /// A grid's obstacles with a margin of free cells around it, row by row.
 struct Obstacles {
   int width = 0;
@@ -62,6 +66,26 @@ Obstacles findObstacles(const OccupancyGrid& grid, int margin) {
   return obstacles;
 }
 
+/// The obstacle cells of thick walls: those near a cell as deep inside as half of such a wall.
+std::vector<std::uint8_t> insideThickWalls(const Obstacles& obstacles, double resolution) {
+  const float half = static_cast<float>(0.5 * kThickWall / resolution);  // cells
+  const std::size_t size = obstacles.all.size();
+  std::vector<std::uint8_t> open(size), cores(size), inside(size, 0);
+  for (std::size_t i = 0; i < size; ++i) open[i] = obstacles.all[i] == 0 ? 1 : 0;
+  const std::vector<float> depth = obstacleDistances(open, obstacles.width, obstacles.height);
+  bool any_core = false;
+  for (std::size_t i = 0; i < size; ++i) {
+    cores[i] = obstacles.all[i] != 0 && depth[i] >= half ? 1 : 0;
+    any_core |= cores[i] != 0;
+  }
+  if (!any_core) return inside;
+  const std::vector<float> to_core = obstacleDistances(cores, obstacles.width, obstacles.height);
+  for (std::size_t i = 0; i < size; ++i) {
+    inside[i] = obstacles.all[i] != 0 && to_core[i] < 1.5f * half ? 1 : 0;
+  }
+  return inside;
+}
+
 }  // namespace
 
 void validate(const LikelihoodFieldParameters& p) {
@@ -96,8 +120,9 @@ LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
   geometry_.width = obstacles.width;
   geometry_.height = obstacles.height;
   log_field_ = obstacleDistances(obstacles.surfaces, geometry_.width, geometry_.height);
+  const std::vector<std::uint8_t> inside = insideThickWalls(obstacles, geometry_.resolution);
   for (std::size_t i = 0; i < log_field_.size(); ++i) {
-    const double share = obstacles.all[i] != 0 ? parameters.field_inside : 1.0;
+    const double share = inside[i] != 0 ? parameters.field_inside : 1.0;
     const double d = share * static_cast<double>(log_field_[i]) / cells_per_sigma;
     log_field_[i] = static_cast<float>(
         std::log((1.0 - parameters.field_rand) / (1.0 + d * d) + parameters.field_rand));

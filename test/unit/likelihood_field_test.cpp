@@ -52,23 +52,36 @@ TEST(LikelihoodField, WeighsTheDistanceOfTheEndFromTheWall) {
   }
 }
 
-TEST(LikelihoodField, MeasuresFromTheSurfaceOfAThickWall) {
-  // The surface's cells have their centres at x = 0.65; a lidar sees none of those behind it.
-  const OccupancyGrid grid = asciiMap(R"(
-    ......####
-    ......####
-    ......####
-    ......####)",
-                                      0.1);
+// The surface's cells have their centres at x = 0.45; a lidar sees none of those behind it.
+constexpr const char* kThickWallOnTheRight = R"(
+    ....######
+    ....######
+    ....######
+    ....######
+    ....######
+    ....######
+    ....######)";
+
+TEST(LikelihoodField, CountsLessInsideAThickWall) {
   LikelihoodFieldParameters p = plain();
-  const Pose2 lidar{0.05, 0.15, 0.0};
+  const Pose2 lidar{0.05, 0.35, 0.0};
   for (const double inside : {0.0, 0.5, 1.0}) {
     p.field_inside = inside;
-    const LikelihoodField field(grid, p);
-    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.4f)), formula(p, 0.2), 1e-5);
-    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.6f)), formula(p, 0.0), 1e-5);
-    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.8f)), formula(p, 0.2 * inside), 1e-5);
+    const LikelihoodField field(asciiMap(kThickWallOnTheRight, 0.1), p);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.2f)), formula(p, 0.2), 1e-5);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.4f)), formula(p, 0.0), 1e-5);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.6f)), formula(p, 0.2 * inside), 1e-5);
   }
+}
+
+TEST(LikelihoodField, CountsInFullInsideAWallThatIsNotThick) {
+  LikelihoodFieldParameters p = plain();
+  p.field_inside = 0.5;
+  // The same cells, half as large.
+  const LikelihoodField field(asciiMap(kThickWallOnTheRight, 0.05), p);
+  const Pose2 lidar{0.025, 0.175, 0.0};
+  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.2f)), formula(p, 0.0), 1e-5);
+  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.3f)), formula(p, 0.1), 1e-5);
 }
 
 TEST(LikelihoodField, GoesOnBehindAWallAtTheMapsEdge) {
