@@ -1,0 +1,128 @@
+#!/usr/bin/python3
+"""scripts/evaluate and scripts/experiments over a simulated drive: against replay, and what their pages
+show."""
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import rosunit
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+from racecar_mcl_eval import (evaluate, grid_map, judgement, programs, scan_fit,  # noqa: E402
+                              trajectory)
+from racecar_mcl_eval.run import load_folder  # noqa: E402
+
+
+class OnADrive(unittest.TestCase):
+    """The programs over a short drive."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.scratch.name)
+        cls.map = programs.ROOT / "maps/corridor.yaml"
+        cls.wrong_map = programs.ROOT / "maps/track.yaml"
+        cls.bag, cls.tum = cls.folder / "drive.bag", cls.folder / "truth.tum"
+        programs.run("simulate_bag", ["--map", cls.map, "--out", cls.bag, "--truth", cls.tum,
+                                      "--duration", 5, "--seed", 3])
+        cls.replay("good", "--initial-pose-from-truth")
+        # In a corridor much like its own, so that most beams find a wall for a while.
+        cls.replay("bad", "--initial-pose", "5 11.5 3.1")
+        cls.replay("elsewhere", "--initial-pose-from-truth", map_yaml=cls.wrong_map)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    @classmethod
+    def replay(cls, name, *start, map_yaml=None):
+        programs.run("replay", ["--bag", cls.bag, "--map", map_yaml or cls.map, "--truth", cls.tum, *start,
+                                "--out", cls.folder / name])
+
+    def evaluate(self, *arguments):
+        """The page's text."""
+        page = self.folder / "page"
+        self.assertEqual(evaluate.main([*map(str, arguments), "--out", str(page)]), 0)
+        return (page / "index.html").read_text(encoding="utf-8")
+
+    def testErrorsAreReplaysOwn(self):
+        for name in ("good", "bad"):
+            run = load_folder(self.folder / name)
+            run.set_truth(trajectory.read_tum(self.tum), 0.5)
+            ours = run.errors.summary()
+            self.assertGreater(ours["truth_stamps_used"], 100)
+            for key, value in ours.items():
+                if isinstance(value, dict):
+                    for part, number in value.items():
+                        self.assertAlmostEqual(number, run.summary[key][part], delta=1e-7)
+                else:
+                    self.assertEqual(value, run.summary[key])
+
+    def testPageShowsAtAGlanceWhichRunIsLost(self):
+        text = self.evaluate(*(self.folder / name for name in ("good", "bad", "elsewhere")),
+                             "--map", self.map, "--bag", self.bag)
+        banners = text.split('class="banner ')[1:]
+        self.assertEqual([banner.split('"')[0] for banner in banners], ["good", "bad", "bad"])
+        for banner in banners[1:]:
+            self.assertIn("NOT LOCALIZED", banner)
+        self.assertEqual(text.count("data:image/png;base64,"), len(list((self.folder / "page").glob("*.png"))))
+        self.assertNotIn("src=\"http", text)
+
+    def testScansJudgeWithoutATruth(self):
+        walls = grid_map.load_map(self.map)
+        near = {}
+        for name in ("good", "bad"):
+            run = load_folder(self.folder / name)
+            fit = scan_fit.measure(run, walls, [self.bag], "/scan", "base_link", None, 0.5)
+            near[name] = fit.near
+            self.assertEqual(judgement.judge(run, None, fit, 0.5).level, name)
+        self.assertGreater(near["good"], 0.95)
+        self.assertLess(near["bad"], 0.75)
+
+    def testScansTellTheWrongMapByItself(self):
+        run = load_folder(self.folder / "elsewhere")
+        fit = scan_fit.measure(run, grid_map.load_map(self.wrong_map), [self.bag], "/scan", "base_link",
+                               None, 0.5)
+        self.assertEqual(judgement.judge(run, None, fit, 0.5).level, "bad")
+
+    def testRecordedEstimateIsReadFromABag(self):
+        text = self.evaluate(self.bag, "--estimate-topic", "ground_truth/odom", "--map", self.map)
+        self.assertIn('banner good', text)
+
+    def testWhatIsMissingIsNamed(self):
+        for arguments, words in (
+                ([self.folder], "trajectory.tum"),
+                ([self.bag], "/pf/pose/odom"),
+                ([self.folder / "good", "--bag", self.folder / "none.bag"], "none.bag"),
+                ([self.folder / "good", "--map", self.tum], "map"),
+                ([self.folder / "good", "--truth", self.tum, "--truth", self.tum], "--truth")):
+            page = self.folder / "none"
+            result = subprocess.run([str(SCRIPTS / "evaluate"), *map(str, arguments), "--out", str(page)],
+                                    stderr=subprocess.PIPE, check=False)
+            self.assertEqual(result.returncode, 1)
+            self.assertRegex(result.stderr.decode(), f"^evaluate: error: .*{words}")
+            self.assertFalse(page.exists())
+
+
+class Experiments(unittest.TestCase):
+    def testPartsOfThePageAreMadeFromTheirOwnRuns(self):
+        with tempfile.TemporaryDirectory() as folder:
+            result = subprocess.run([str(SCRIPTS / "experiments"), "--quick", "--only", "noise", "table",
+                                     "particles", "--out", folder], stdout=subprocess.PIPE, check=False)
+            self.assertEqual(result.returncode, 0)
+            names = {path.name for path in Path(folder).iterdir()}
+            self.assertEqual(names, {
+                "index.html", "fig-1-sensor-table.png", "fig-2-3-particles.png", "fig-6-trajectory.png",
+                "fig-7-no-noise.png", "fig-8-noise.png", "cross-track.png"})
+            text = (Path(folder) / "index.html").read_text(encoding="utf-8")
+        self.assertEqual(text.count("data:image/png;base64,"), len(names) - 1)
+        self.assertEqual(text.count('class="banner '), 2)
+        for words in ("simulate_bag --map maps/corridor.yaml", "--seed 1", "26.2, 27.0, 26.6 cm", "±5°"):
+            self.assertIn(words, text)
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("racecar_mcl", "evaluation_programs_test", "__main__", sysargs=sys.argv)
