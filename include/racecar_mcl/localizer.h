@@ -23,6 +23,7 @@ struct LocalizerParameters {
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
   int min_beams = 10;                  ///< a scan with fewer valid beams is not used
   bool deskew = true;                  ///< correct for the car's motion during the sweep
+  bool global_search = true;  ///< a global start begins where the first scan fits, not evenly
   int parked_updates =
       40;  ///< scans weighed after the car has stopped; more of the same view is no news
 };
@@ -82,6 +83,7 @@ class Localizer {
     Motion motion;           ///< since the scan before
     OdometryState odometry;  ///< at the scan's stamp
     bool weigh = false;
+    bool search = false;  ///< start where the scan fits
   };
 
   /// Throws as `validate` does.
@@ -95,7 +97,8 @@ class Localizer {
   /// Starts around a pose that holds now, that is at the newest stamp seen. Throws as
   /// ParticleFilter::initialize.
   void initialize(const PoseEstimate& start);
-  /// Starts anywhere on the map. Without a map it returns false and changes nothing.
+  /// Starts anywhere on the map; with global_search the next scan then says where. Without a map it
+  /// returns false and changes nothing.
   bool initializeGlobally();
   bool initialized() const { return anchor_.has_value(); }
 
@@ -148,6 +151,7 @@ class Localizer {
   std::shared_ptr<MapModel> map_;
   std::optional<Anchor> anchor_;
   std::optional<double> last_scan_stamp_;
+  bool search_pending_ = false;
   int scans_since_stop_ = 0;
   LocalizerCounters counters_;
 };

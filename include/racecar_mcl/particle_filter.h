@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "racecar_mcl/beam_model.h"
+#include "racecar_mcl/global_search.h"
 #include "racecar_mcl/likelihood_field.h"
 #include "racecar_mcl/motion_model.h"
 #include "racecar_mcl/occupancy_grid.h"
@@ -29,6 +30,8 @@ struct ParticleFilterParameters {
   double initial_sigma = 0.5;  ///< m and rad, where a start pose brings no spread of its own
   int settling_updates = 20;   ///< after a start the resampled set is smoothed this many times, so
                                ///< that few particles close in on a pose that none of them hit
+  double news_distance = 0.5;  ///< m; while the set is in several places, a scan counts in full
+                               ///< after this much driving
 };
 
 /// Throws ParameterError on a value out of range.
@@ -44,6 +47,7 @@ struct SensorParameters {
   RangeCasterParameters caster{"simd", 0.0, UnknownIs::kFree};
   BeamModelParameters beam;
   LikelihoodFieldParameters field;
+  GlobalSearchParameters search;
 };
 
 /// Throws ParameterError on a value out of range.
@@ -56,6 +60,7 @@ struct MapModel {
   BeamModel beam_model;
   std::optional<LikelihoodField>
       likelihood_field;  ///< weighs in place of the beam model where it is there
+  GlobalSearch search;
   std::vector<Cell> free_cells;
 };
 
@@ -73,6 +78,8 @@ struct UpdateResult {
   int particles = 0;                   ///< particles weighed
   bool resampled = false;
   bool weights_vanished = false;  ///< no particle could have seen this scan: it was not used
+  bool converging = false;        ///< since a global start no single place was settled on
+  std::vector<Cluster> clusters;  ///< places where particles are, heaviest first
 };
 
 /// The particle set and the steps that change it. Every random number comes from the seed.
@@ -86,10 +93,15 @@ class ParticleFilter {
   /// that is none.
   void initialize(const PoseEstimate& start);
 
-  /// Spreads global_particles evenly over the free space of the map.
+  /// Spreads global_particles evenly over the free space of the map. The set then converges: it is
+  /// weighed by the map's field of places, and estimated by its heaviest cluster, until a single
+  /// place is left.
   void initializeGlobally(const MapModel& map);
 
   bool initialized() const { return particles_.size() > 0; }
+
+  /// The same, but starting where a scan fits, in as many places as it fits in.
+  UpdateResult initializeGlobally(const MapModel& map, const Scan& beams);
 
   /// Moves the set by the car's motion.
   void predict(const Motion& motion);
@@ -100,9 +112,13 @@ class ParticleFilter {
 
   const ParticleSet& particles() const { return particles_; }
   /// Of the set as it stands now.
-  PoseEstimate estimate() const { return estimatePose(particles_, parameters_.estimate); }
+  PoseEstimate estimate() const;
 
  private:
+  /// What a scan says of each particle, tempered while the set converges.
+  Eigen::ArrayXd judge(MapModel* map, const Scan& beams) const;
+  /// Ends the convergence where a single place is left, and leaves the others.
+  void settleOn(const std::vector<Cluster>& clusters);
   Eigen::Index nextSize() const;
   void resampleAndSettle();
 
@@ -111,6 +127,8 @@ class ParticleFilter {
   Random random_;
   ParticleSet particles_;
   int settling_updates_left_ = 0;
+  bool converging_ = false;
+  double news_ = 1.0;  ///< share of the next scan that is news
 };
 
 }  // namespace racecar_mcl

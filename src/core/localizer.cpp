@@ -107,12 +107,14 @@ void Localizer::initialize(const PoseEstimate& start) {
     }
   }
   filter_.initialize(start);
+  search_pending_ = false;
   anchorHere();
 }
 
 bool Localizer::initializeGlobally() {
   if (!map_) return false;
   filter_.initializeGlobally(*map_);
+  search_pending_ = parameters_.global_search;
   anchorHere();
   return true;
 }
@@ -192,7 +194,8 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   const bool heard = !odometry_.empty() &&
                      scan.stamp - odometry_.newestStamp() <= parameters_.odometry.max_odometry_gap;
   scans_since_stop_ = heard && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
-  task.weigh = scans_since_stop_ <= parameters_.parked_updates;
+  task.search = search_pending_;
+  task.weigh = task.search || scans_since_stop_ <= parameters_.parked_updates;
   if (!task.weigh) task.result.outcome = ScanOutcome::kParked;
   last_scan_stamp_ = scan.stamp;
   return task;
@@ -200,6 +203,10 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
 
 void Localizer::processScan(ScanTask* task) {
   if (!task->weigh) return;
+  if (task->search) {
+    task->result.update = filter_.initializeGlobally(*map_, task->beams);
+    return;
+  }
   filter_.predict(task->motion);
   task->result.update = filter_.update(map_.get(), task->beams);
   if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;
@@ -222,6 +229,7 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
       ++counters_.scans_dropped;
       return result;
   }
+  if (task.search) search_pending_ = false;
   anchor_ = Anchor{result.update.estimate, task.odometry};
   return result;
 }

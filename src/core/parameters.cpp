@@ -53,6 +53,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("estimate", p.filter.estimate);
   visit("initial_sigma", p.filter.initial_sigma);
   visit("settling_updates", p.filter.settling_updates);
+  visit("news_distance", p.filter.news_distance);
 
   visit("motion_model", p.motion.motion_model);
   visit("deterministic", p.motion.deterministic);
@@ -77,6 +78,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("num_beams_per_particle", p.num_beams_per_particle);
   visit("scan_field_of_view", p.scan_field_of_view);
   visit("min_beams", p.min_beams);
+  visit("global_search", p.global_search);
   visit("deskew", p.deskew);
   visit("parked_updates", p.parked_updates);
 
@@ -86,6 +88,12 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("field_max_range", p.sensor.field.field_max_range);
   visit("field_squash", p.sensor.field.field_squash);
   visit("field_inside", p.sensor.field.field_inside);
+
+  visit("search_spacing", p.sensor.search.search_spacing);
+  visit("search_yaw_spacing", p.sensor.search.search_yaw_spacing);
+  visit("search_beams", p.sensor.search.search_beams);
+  visit("search_max_range", p.sensor.search.search_max_range);
+  visit("search_poses", p.sensor.search.search_poses);
 
   visit("alpha_hit", p.sensor.beam.table.alpha_hit);
   visit("alpha_short", p.sensor.beam.table.alpha_short);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "lidar_poses.h"
+#include "racecar_mcl/convergence.h"
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/tempering.h"
 
@@ -14,26 +16,14 @@ namespace {
 // Particles cast and weighed together: their ranges stay in the first-level cache.
 constexpr Eigen::Index kChunk = 64;
 
-// While the car may be in many places, a scan leaves at least this share of the set alive: the
-// place that fits best at first sight is often the wrong one.
-constexpr double kGlobalSurvivors = 0.1;
+// While the set converges, a scan leaves at least this share of it alive: the place that fits best
+// at first sight is often the wrong one.
+constexpr double kConvergingSurvivors = 0.05;
+// The set shrinks to one particle in so many of global_particles before it has settled.
+constexpr Eigen::Index kConvergingShare = 10;
 
 // No start is farther away or wider than this, m: beyond it, squares lose their digits.
 constexpr double kFarthest = 1e7;
-
-/// Where the lidar is for each particle.
-struct LidarPoses {
-  Eigen::ArrayXd x, y, yaw;
-  PoseBatch batch() const { return {x.data(), y.data(), yaw.data(), x.size()}; }
-};
-
-LidarPoses lidarPoses(const ParticleSet& particles, const Pose2& laser_in_base) {
-  const Eigen::ArrayXd c = particles.yaw.cos();
-  const Eigen::ArrayXd s = particles.yaw.sin();
-  return {particles.x + c * laser_in_base.x - s * laser_in_base.y,
-          particles.y + s * laser_in_base.x + c * laser_in_base.y,
-          particles.yaw + laser_in_base.yaw};
-}
 
 Eigen::ArrayXd logLikelihoods(MapModel* map, const ParticleSet& particles, const Scan& beams) {
   const LidarPoses lidars = lidarPoses(particles, beams.laser_in_base);
@@ -91,6 +81,8 @@ void validate(const ParticleFilterParameters& p) {
     problem << "resample_threshold is " << p.resample_threshold << "; it must lie in [0, 1]";
   } else if (!(p.initial_sigma > 0.0 && p.initial_sigma <= 1000.0)) {
     problem << "initial_sigma is " << p.initial_sigma << "; it must lie in (0, 1000]";
+  } else if (!(p.news_distance > 0.0 && p.news_distance <= 1000.0)) {
+    problem << "news_distance is " << p.news_distance << " m; it must lie in (0, 1000]";
   } else if (p.settling_updates < 0) {
     problem << "settling_updates is " << p.settling_updates << "; it must not be negative";
   }
@@ -100,6 +92,7 @@ void validate(const ParticleFilterParameters& p) {
 void validate(const SensorParameters& p) {
   validate(p.beam);
   validate(p.field);
+  validate(p.search);
   if (p.caster.max_range != 0.0) return validate(p.caster);
   RangeCasterParameters filled = p.caster;  // 0 stands for the range of the sensor table
   filled.max_range = 1.0;
@@ -127,9 +120,10 @@ std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameter
   std::unique_ptr<RangeCaster> made = makeRangeCaster(grid, caster);
   std::optional<LikelihoodField> field;
   if (sensor.sensor_model == SensorModel::kLikelihoodField) field.emplace(grid, sensor.field);
+  GlobalSearch search(grid, sensor.search);
   return std::make_shared<MapModel>(MapModel{std::move(grid), std::move(made),
                                              std::move(beam_model), std::move(field),
-                                             std::move(free_cells)});
+                                             std::move(search), std::move(free_cells)});
 }
 
 ParticleFilter::ParticleFilter(const ParticleFilterParameters& parameters,
@@ -165,6 +159,7 @@ void ParticleFilter::initialize(const PoseEstimate& start) {
   particles.log_weight.setConstant(-std::log(static_cast<double>(particles.size())));
   particles_ = std::move(particles);
   settling_updates_left_ = parameters_.settling_updates;
+  converging_ = false;
 }
 
 void ParticleFilter::initializeGlobally(const MapModel& map) {
@@ -181,9 +176,26 @@ void ParticleFilter::initializeGlobally(const MapModel& map) {
   particles.log_weight.setConstant(-std::log(static_cast<double>(particles.size())));
   particles_ = std::move(particles);
   settling_updates_left_ = parameters_.settling_updates;
+  converging_ = true;
+}
+
+UpdateResult ParticleFilter::initializeGlobally(const MapModel& map, const Scan& beams) {
+  particles_ = map.search.candidates(beams, parameters_.global_particles, random_);
+  settling_updates_left_ = parameters_.settling_updates;
+  converging_ = true;
+
+  UpdateResult result;
+  result.beams = static_cast<int>(beams.size());
+  result.particles = static_cast<int>(particles_.size());
+  result.effective_sample_size = effectiveSampleSize(particles_.log_weight);
+  result.converging = true;
+  result.clusters = findClusters(particles_);
+  result.estimate = estimate();
+  return result;
 }
 
 void ParticleFilter::predict(const Motion& motion) {
+  news_ = newsAfter(motion, parameters_.news_distance);
   moveParticles(motion_parameters_, motion, random_, &particles_);
 }
 
@@ -193,12 +205,7 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   result.particles = static_cast<int>(particles_.size());
 
   const Eigen::ArrayXd before = particles_.log_weight;
-  Eigen::ArrayXd log_likelihoods = logLikelihoods(map, particles_, beams);
-  if (particles_.size() > parameters_.num_particles) {
-    log_likelihoods *= temperingExponent(before, log_likelihoods,
-                                         kGlobalSurvivors * static_cast<double>(particles_.size()));
-  }
-  particles_.log_weight += log_likelihoods;
+  particles_.log_weight += judge(map, beams);
   result.log_likelihood = normalizeLogWeights(&particles_.log_weight);
   if (!std::isfinite(result.log_likelihood)) {
     particles_.log_weight = before;
@@ -206,7 +213,10 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   }
 
   result.effective_sample_size = effectiveSampleSize(particles_.log_weight);
-  result.estimate = estimatePose(particles_, parameters_.estimate);
+  result.converging = converging_;
+  result.clusters = findClusters(particles_);
+  result.estimate = estimate();
+  if (converging_) settleOn(result.clusters);
   const double threshold = parameters_.resample_threshold * static_cast<double>(particles_.size());
   if (result.effective_sample_size <= threshold && !result.weights_vanished) {
     resampleAndSettle();
@@ -215,11 +225,35 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   return result;
 }
 
+Eigen::ArrayXd ParticleFilter::judge(MapModel* map, const Scan& beams) const {
+  if (!converging_) return logLikelihoods(map, particles_, beams);
+  Eigen::ArrayXd log_likelihoods(particles_.size());
+  const LidarPoses lidars = lidarPoses(particles_, beams.laser_in_base);
+  map->search.field().logLikelihood(lidars.batch(), beams, log_likelihoods);
+  log_likelihoods *= news_;
+  const double survivors = kConvergingSurvivors * static_cast<double>(particles_.size());
+  return temperingExponent(particles_.log_weight, log_likelihoods, survivors) * log_likelihoods;
+}
+
+void ParticleFilter::settleOn(const std::vector<Cluster>& clusters) {
+  const std::optional<Pose2> place = onlyPlace(clusters);
+  if (!place) return;
+  keepNear(*place, &particles_);
+  converging_ = false;
+}
+
+PoseEstimate ParticleFilter::estimate() const {
+  // The mean of several places is none of them.
+  return estimatePose(particles_, converging_ ? EstimateFrom::kCluster : parameters_.estimate);
+}
+
 Eigen::Index ParticleFilter::nextSize() const {
   if (particles_.size() <= parameters_.num_particles) return parameters_.num_particles;
   // Finer bins than a cluster's: the set shrinks no faster than the scans tell its places apart.
   const Eigen::Index wanted = kldSampleSize(countOccupiedBins(particles_, {0.25, 0.17}));
-  return std::min(particles_.size(), std::max<Eigen::Index>(parameters_.num_particles, wanted));
+  const Eigen::Index least = converging_ ? parameters_.global_particles / kConvergingShare : 0;
+  return std::min(particles_.size(),
+                  std::max<Eigen::Index>({parameters_.num_particles, wanted, least}));
 }
 
 void ParticleFilter::resampleAndSettle() {

@@ -335,7 +335,7 @@ TEST(ParticleFilter, AGlobalSetShrinksAsItConcentrates) {
     filter.update(sharp_map.get(), scan);
     EXPECT_LE(filter.particles().size(), before);
     before = filter.particles().size();
-    filter.predict({{}, 0.0, 0.0, 0.0, 1.0});
+    filter.predict({{}, 0.5, 0.0, 0.0, 1.0});  // as if on a circle: half a metre of news
   }
   EXPECT_LT(before, 1000);
   EXPECT_GE(before, 100);

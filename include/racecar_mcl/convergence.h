@@ -1,0 +1,29 @@
+// From many places to one: what a filter that does not know where it is does differently.
+//
+// A scan compared with a whole map is deceptive. Corridors repeat, the best fit is often a wrong
+// place, and the next scan, taken a hand's breadth further on, errs the same way. So while
+// particles stand in several places a scan counts by what is new in it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "racecar_mcl/odometry.h"
+#include "racecar_mcl/particles.h"
+#include "racecar_mcl/pose_estimate.h"
+
+namespace racecar_mcl {
+
+/// The share of a scan, in (0, 1], that the last one did not tell: all of it after `news_distance`
+/// (m) driven or a turn of 1 rad per 0.5 m of it. A car that stands still learns a little: its
+/// lidar's noise averages out.
+double newsAfter(const Motion& motion, double news_distance);
+
+/// The place where all but a hundredth of the weight is, if that is a place: a cluster not wider
+/// than 0.3 m. `clusters` as `findClusters` gives them.
+std::optional<Pose2> onlyPlace(const std::vector<Cluster>& clusters);
+
+/// Takes the weight from particles away from a place and normalises what is left.
+void keepNear(const Pose2& place, ParticleSet* particles);
+
+}  // namespace racecar_mcl

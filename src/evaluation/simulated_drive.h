@@ -1,0 +1,121 @@
+// A simulated car that drives along the walls of one of the package's maps, and the localizer that
+// hears its sensors.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "racecar_mcl/localizer.h"
+#include "racecar_mcl/map_io.h"
+#include "racecar_mcl/scan_hold.h"
+#include "sim/placement.h"
+#include "sim/simulator.h"
+#include "sim/wall_follower.h"
+
+namespace racecar_mcl {
+
+/// A map of maps/ and the finer world behind it, shared by many drives.
+struct Course {
+  std::shared_ptr<const sim::World> world;
+  std::shared_ptr<MapModel> map;
+};
+
+inline Course loadCourse(const std::string& map_path, const LocalizerParameters& parameters) {
+  return {std::make_shared<const sim::World>(loadMap(sim::worldPathFor(map_path))),
+          makeMapModel(loadMap(map_path), parameters)};
+}
+
+/// What a localizer made of a scan, and what was true.
+struct Observation {
+  ScanResult result;
+  Pose2 base_in_map;   ///< true, at the scan's stamp
+  double error = 0.0;  ///< m, of the estimate; meaningless where the scan was not used
+};
+
+class SimulatedDrive {
+ public:
+  SimulatedDrive(const Course& course, const LocalizerParameters& parameters,
+                 const sim::SimulatorParameters& simulator, const Pose2& start, double speed,
+                 std::uint64_t seed)
+      : localizer_(parameters, seed),
+        simulator_(course.world, simulator, start, seed + 1000, 100.0) {
+    localizer_.setMap(course.map);
+    sim::WallFollowerParameters follower;
+    follower.speed = speed;
+    follower.car = simulator.car;
+    follower_ = std::make_unique<sim::WallFollower>(follower);
+  }
+
+  Localizer& localizer() { return localizer_; }
+  sim::Simulator& simulator() { return simulator_; }
+
+  /// What befalls messages on their way; false drops one. By default nothing does.
+  std::function<bool(Scan*)> on_scan = [](Scan*) { return true; };
+  std::function<bool(OdometrySample*)> on_odometry = [](OdometrySample*) { return true; };
+
+  /// Drives on, and calls `visit(Observation)` after every scan.
+  template <typename Visit>
+  void drive(double seconds, Visit&& visit) {
+    const double end = simulator_.time() + seconds;
+    while (simulator_.time() < end - kDriverPeriod / 2.0) {
+      const double speed = simulator_.truth().twist.vx;
+      const sim::Command command = follower_->follow(simulator_.look(), speed);
+      for (const sim::Event& event : simulator_.advance(kDriverPeriod, command)) {
+        if (const auto* truth = std::get_if<sim::Truth>(&event.data)) remember(*truth);
+        if (const auto* sample = std::get_if<OdometrySample>(&event.data)) hear(*sample);
+        if (const auto* sweep = std::get_if<sim::LidarScan>(&event.data)) {
+          waiting_.push_back(sim::toScan(*sweep));
+        }
+        while (!waiting_.empty() && (localizer_.odometryCovers(waiting_.front().stamp) ||
+                                     event.arrival > waiting_.front().stamp + kPatience)) {
+          Scan scan = waiting_.front();
+          waiting_.pop_front();
+          if (on_scan(&scan)) visit(observe(scan));
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr double kDriverPeriod = 0.02;  // s, between the driver's looks
+  static constexpr double kPatience = 0.06;      // s, that a scan waits for odometry
+
+  void remember(const sim::Truth& truth) {
+    truths_.push_back(truth);
+    while (truths_.size() > 100) truths_.pop_front();
+  }
+
+  void hear(OdometrySample sample) {
+    if (on_odometry(&sample)) localizer_.addOdometry(sample);
+  }
+
+  Pose2 truthAt(double stamp) const {
+    for (std::size_t i = 1; i < truths_.size(); ++i) {
+      if (truths_[i].stamp < stamp) continue;
+      const double period = truths_[i].stamp - truths_[i - 1].stamp;
+      return interpolate(truths_[i - 1].base_in_map, truths_[i].base_in_map,
+                         (stamp - truths_[i - 1].stamp) / period);
+    }
+    return simulator_.truth().base_in_map;
+  }
+
+  Observation observe(const Scan& scan) {
+    Observation observation;
+    observation.result = localizer_.addScan(scan);
+    observation.base_in_map = truthAt(scan.stamp);
+    observation.error =
+        distance(observation.result.update.estimate.base_in_map, observation.base_in_map);
+    return observation;
+  }
+
+  Localizer localizer_;
+  sim::Simulator simulator_;
+  std::unique_ptr<sim::WallFollower> follower_;
+  std::deque<sim::Truth> truths_;
+  std::deque<Scan> waiting_;
+};
+
+}  // namespace racecar_mcl

@@ -1,0 +1,74 @@
+#include "racecar_mcl/convergence.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "racecar_mcl/resampling.h"
+
+namespace racecar_mcl {
+namespace {
+
+Motion driven(double metres, double radians = 0.0) {
+  Motion motion;
+  motion.distance = metres;
+  motion.rotation = radians;
+  return motion;
+}
+
+/// `counts[i]` particles spread by 5 cm about place i, 10 m from one place to the next.
+ParticleSet placesOf(const std::vector<int>& counts, double spread = 0.05) {
+  Random random(1);
+  ParticleSet particles;
+  Eigen::Index size = 0;
+  for (const int count : counts) size += count;
+  particles.resize(size);
+  Eigen::Index next = 0;
+  for (std::size_t place = 0; place < counts.size(); ++place) {
+    for (int i = 0; i < counts[place]; ++i) {
+      particles.setPose(next++, {10.0 * static_cast<double>(place) + spread * random.gaussian(),
+                                 spread * random.gaussian(), spread * random.gaussian()});
+    }
+  }
+  particles.log_weight.setConstant(-std::log(static_cast<double>(size)));
+  return particles;
+}
+
+TEST(NewsAfter, GrowsWithTheWayDrivenUpToAWholeScan) {
+  EXPECT_NEAR(newsAfter(driven(0.1), 0.5), 0.2, 1e-12);
+  EXPECT_NEAR(newsAfter(driven(0.1, 0.2), 0.5), 0.4, 1e-12);
+  EXPECT_EQ(newsAfter(driven(0.5), 0.5), 1.0);
+  EXPECT_EQ(newsAfter(driven(20.0), 0.5), 1.0);
+}
+
+TEST(NewsAfter, IsLittleButNotNothingWhereTheCarStands) {
+  EXPECT_GT(newsAfter(driven(0.0), 0.5), 0.0);
+  EXPECT_LT(newsAfter(driven(0.0), 0.5), 0.1);
+}
+
+TEST(OnlyPlace, IsTheClusterThatHoldsNearlyAllWeight) {
+  const std::optional<Pose2> place = onlyPlace(findClusters(placesOf({5, 995})));
+  ASSERT_TRUE(place.has_value());
+  EXPECT_NEAR(place->x, 10.0, 0.02);
+}
+
+TEST(OnlyPlace, IsNoneWhileTwoPlacesHoldWeight) {
+  EXPECT_FALSE(onlyPlace(findClusters(placesOf({50, 950}))).has_value());
+  EXPECT_FALSE(onlyPlace({}).has_value());
+}
+
+TEST(OnlyPlace, IsNoneWhereTheOnlyClusterFillsARoom) {
+  EXPECT_FALSE(onlyPlace(findClusters(placesOf({20000}, 1.0))).has_value());
+}
+
+TEST(KeepNear, TakesTheWeightFromEverywhereElse) {
+  ParticleSet particles = placesOf({500, 500});
+  particles.yaw[999] += 2.0;
+  keepNear({10.0, 0.0, 0.0}, &particles);
+  EXPECT_NEAR(particles.log_weight.segment(500, 499).exp().sum(), 1.0, 1e-9);
+  EXPECT_TRUE((particles.log_weight.head(500).exp() == 0.0).all());
+  EXPECT_EQ(std::exp(particles.log_weight[999]), 0.0);
+}
+
+}  // namespace
+}  // namespace racecar_mcl
