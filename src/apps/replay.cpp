@@ -21,6 +21,7 @@ using ProgressBar = boost::progress_display;
 #include "bag_reader.h"
 #include "evaluation/trajectory.h"
 #include "evaluation/trajectory_error.h"
+#include "parameter_options.h"
 #include "particle_table.h"
 #include "program.h"
 #include "racecar_mcl/errors.h"
@@ -111,16 +112,8 @@ Pose2 parsePose(const std::string& option, const std::string& text) {
   return pose;
 }
 
-LocalizerParameters readParameters(const Options& o) {
-  LocalizerParameters parameters;
-  if (!o.config.empty()) readParameterFile(o.config, &parameters);
-  for (const std::string& setting : o.settings) {
-    const std::size_t assign = setting.find(":=");
-    if (assign == std::string::npos) {
-      throw ParameterError("--set is '" + setting + "'; expected name:=value");
-    }
-    setParameter(setting.substr(0, assign), setting.substr(assign + 2), &parameters);
-  }
+LocalizerParameters parametersOf(const Options& o) {
+  LocalizerParameters parameters = readParameters(o.config, o.settings);
   if (!o.motion_from.empty()) setParameter("motion_from", o.motion_from, &parameters);
   return parameters;
 }
@@ -184,7 +177,7 @@ void replay(const Options& o) {
     throw ParameterError("--max-gap is " + std::to_string(o.max_gap) +
                          " s; it must not be negative");
   }
-  const LocalizerParameters parameters = readParameters(o);
+  const LocalizerParameters parameters = parametersOf(o);
   Localizer localizer(parameters, o.seed);
   localizer.setMap(makeMapModel(loadMap(o.map), parameters));
 
