@@ -42,11 +42,17 @@ class LikelihoodField {
   void logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
                      Eigen::Ref<Eigen::ArrayXd> log_likelihood) const;
 
+  /// Of each beam alone, not squashed; NaN where it is not weighed.
+  Eigen::ArrayXf beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams) const;
+  /// Of a beam that ends `distance` m from the nearest surface.
+  double logLikelihoodAt(double distance) const;
+
   std::size_t memoryBytes() const { return log_field_.size() * sizeof(float); }
 
  private:
   float at(float column, float row) const;
 
+  LikelihoodFieldParameters parameters_;
   GridGeometry geometry_;  ///< of the field: the map's and a margin around it
   float max_range_;
   float squash_;

@@ -11,6 +11,7 @@
 #include "racecar_mcl/odometry.h"
 #include "racecar_mcl/particle_filter.h"
 #include "racecar_mcl/scan.h"
+#include "racecar_mcl/verdict.h"
 
 namespace racecar_mcl {
 
@@ -19,11 +20,13 @@ struct LocalizerParameters {
   MotionModelParameters motion;
   SensorParameters sensor;
   OdometryParameters odometry;
+  VerdictParameters verdict;
   int num_beams_per_particle = 100;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
   int min_beams = 10;                  ///< a scan with fewer valid beams is not used
   bool deskew = true;                  ///< correct for the car's motion during the sweep
   bool global_search = true;  ///< a global start begins where the first scan fits, not evenly
+  bool recovery = true;       ///< search the map again when scans are explained badly
   int parked_updates =
       40;  ///< scans weighed after the car has stopped; more of the same view is no news
 };
@@ -55,6 +58,7 @@ std::string describe(ScanOutcome outcome);
 struct ScanResult {
   ScanOutcome outcome = ScanOutcome::kNoMap;
   double stamp = 0.0;  ///< s, the scan's
+  Verdict verdict;     ///< on the estimate, whatever became of the scan
   UpdateResult
       update;  ///< filled when outcome is kUsed or kWeightsVanished; the estimate also when kParked
 };
@@ -71,6 +75,7 @@ struct LocalizerCounters {
   std::uint64_t odometry_dropped = 0;
   std::uint64_t odometry_gaps = 0;
   std::uint64_t time_jumps = 0;
+  std::uint64_t recoveries = 0;  ///< searches after which particles were put where the scan fits
 };
 
 class Localizer {
@@ -82,8 +87,12 @@ class Localizer {
     Scan beams;              ///< chosen and deskewed
     Motion motion;           ///< since the scan before
     OdometryState odometry;  ///< at the scan's stamp
+    PoseEstimate predicted;  ///< at the scan's stamp, by odometry alone
+    ScanFit fit;             ///< from the estimate
     bool weigh = false;
-    bool search = false;  ///< start where the scan fits
+    bool search = false;     ///< start where the scan fits
+    bool recover = false;    ///< put particles where the scan fits better, if it does
+    bool recovered = false;  ///< it did
   };
 
   /// Throws as `validate` does.
@@ -132,6 +141,8 @@ class Localizer {
   void requestUpdate() { scans_since_stop_ = 0; }
 
   const ParticleSet& particles() const { return filter_.particles(); }
+  /// On the newest estimate.
+  const Verdict& verdict() const { return judge_.verdict(); }
   const LocalizerCounters& counters() const { return counters_; }
   const LocalizerParameters& parameters() const { return parameters_; }
 
@@ -143,6 +154,8 @@ class Localizer {
   };
 
   ScanOutcome admit(const Scan& scan);
+  bool wantsRecovery(double stamp);
+  Verdict judge(const ScanTask& task);
   void anchorHere();
 
   LocalizerParameters parameters_;
@@ -152,6 +165,9 @@ class Localizer {
   std::optional<Anchor> anchor_;
   std::optional<double> last_scan_stamp_;
   bool search_pending_ = false;
+  Judge judge_;
+  double last_recovery_stamp_ = -1e9;  ///< s
+  double recovery_pause_ = 0.0;        ///< s, until the next search
   int scans_since_stop_ = 0;
   LocalizerCounters counters_;
 };

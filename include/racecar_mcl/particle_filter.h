@@ -57,6 +57,7 @@ void validate(const SensorParameters& parameters);
 struct MapModel {
   OccupancyGrid grid;
   std::unique_ptr<RangeCaster> caster;
+  float max_range;  ///< m, the caster's
   BeamModel beam_model;
   std::optional<LikelihoodField>
       likelihood_field;  ///< weighs in place of the beam model where it is there
@@ -102,6 +103,11 @@ class ParticleFilter {
 
   /// The same, but starting where a scan fits, in as many places as it fits in.
   UpdateResult initializeGlobally(const MapModel& map, const Scan& beams);
+
+  /// Looks for places on the whole map from where the scan is explained better by a tenth of its
+  /// beams. Where there are, particles are put there beside those of the set, which converges
+  /// again; else it returns false and nothing changes.
+  bool reconsider(MapModel* map, const Scan& beams);
 
   /// Moves the set by the car's motion.
   void predict(const Motion& motion);

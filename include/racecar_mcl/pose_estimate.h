@@ -15,6 +15,9 @@ struct PoseEstimate {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
+/// m, of the longer axis of the position's ellipse.
+double positionSigma(const PoseEstimate& estimate);
+
 enum class EstimateFrom {
   kMean,     ///< the weighted mean of all particles (report, section 2.3)
   kBest,     ///< the particle with the largest weight

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "racecar_mcl/distance_field.h"
@@ -106,7 +107,8 @@ void validate(const LikelihoodFieldParameters& p) {
 
 LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
                                  const LikelihoodFieldParameters& parameters)
-    : geometry_(grid.geometry()),
+    : parameters_(parameters),
+      geometry_(grid.geometry()),
       max_range_(static_cast<float>(parameters.field_max_range)),
       squash_(static_cast<float>(1.0 / parameters.field_squash)),
       log_rand_(static_cast<float>(std::log(parameters.field_rand))) {
@@ -123,10 +125,31 @@ LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
   const std::vector<std::uint8_t> inside = insideThickWalls(obstacles, geometry_.resolution);
   for (std::size_t i = 0; i < log_field_.size(); ++i) {
     const double share = inside[i] != 0 ? parameters.field_inside : 1.0;
-    const double d = share * static_cast<double>(log_field_[i]) / cells_per_sigma;
-    log_field_[i] = static_cast<float>(
-        std::log((1.0 - parameters.field_rand) / (1.0 + d * d) + parameters.field_rand));
+    const double distance = share * static_cast<double>(log_field_[i]) * geometry_.resolution;
+    log_field_[i] = static_cast<float>(logLikelihoodAt(distance));
   }
+}
+
+double LikelihoodField::logLikelihoodAt(double distance) const {
+  const double sigmas = distance / parameters_.field_sigma;
+  return std::log((1.0 - parameters_.field_rand) / (1.0 + sigmas * sigmas) +
+                  parameters_.field_rand);
+}
+
+Eigen::ArrayXf LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map,
+                                                   const Scan& beams) const {
+  Eigen::ArrayXf log_likelihoods(beams.size());
+  for (Eigen::Index k = 0; k < beams.size(); ++k) {
+    const double range = static_cast<double>(beams.ranges[k]);
+    const double bearing = lidar_in_map.yaw + static_cast<double>(beams.bearings[k]);
+    const Eigen::Vector2d end = worldToGrid(
+        geometry_,
+        {lidar_in_map.x + range * std::cos(bearing), lidar_in_map.y + range * std::sin(bearing)});
+    log_likelihoods[k] = beams.ranges[k] < max_range_ ? at(static_cast<float>(end.x() - 0.5),
+                                                           static_cast<float>(end.y() - 0.5))
+                                                      : std::numeric_limits<float>::quiet_NaN();
+  }
+  return log_likelihoods;
 }
 
 float LikelihoodField::at(float column, float row) const {

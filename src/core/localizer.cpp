@@ -14,6 +14,12 @@ namespace {
 constexpr double kParkedDistance = 1e-3;  // m
 constexpr double kParkedRotation = 1e-3;  // rad
 
+// How long scans must be explained badly before the map is searched again, and how long it takes at
+// least and at most until the next search if that was in vain.
+constexpr double kDoubt = 0.2;          // s
+constexpr double kShortestPause = 0.5;  // s
+constexpr double kLongestPause = 16.0;  // s
+
 bool isParked(const Motion& motion) {
   return motion.distance < kParkedDistance && motion.rotation < kParkedRotation;
 }
@@ -41,6 +47,7 @@ void validate(const LocalizerParameters& p) {
   validate(p.motion);
   validate(p.sensor);
   validate(p.odometry);
+  validate(p.verdict);
   std::ostringstream problem;
   if (p.num_beams_per_particle < 1 || p.num_beams_per_particle > 10000) {
     problem << "num_beams_per_particle is " << p.num_beams_per_particle
@@ -89,7 +96,8 @@ std::string describe(ScanOutcome outcome) {
 Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
     : parameters_((validate(parameters), parameters)),
       filter_(parameters.filter, parameters.motion, seed),
-      odometry_(parameters.odometry) {}
+      odometry_(parameters.odometry),
+      judge_(parameters.verdict) {}
 
 void Localizer::setMap(std::shared_ptr<MapModel> map) { map_ = std::move(map); }
 
@@ -122,6 +130,8 @@ bool Localizer::initializeGlobally() {
 void Localizer::anchorHere() {
   anchor_ = Anchor{filter_.estimate(), odometry_.at(newestStamp().value_or(0.0))};
   scans_since_stop_ = 0;
+  judge_.startAgain();
+  recovery_pause_ = kShortestPause;
 }
 
 OdometryOutcome Localizer::addOdometry(const OdometrySample& sample) {
@@ -181,6 +191,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
       selectBeams(scan, parameters_.num_beams_per_particle, parameters_.scan_field_of_view);
   if (task.beams.size() < parameters_.min_beams) {
     task.result.outcome = ScanOutcome::kTooFewBeams;
+    judge_.judgeUnusable(scan.stamp);
     return task;
   }
   task.odometry = odometry_.at(scan.stamp);
@@ -193,27 +204,57 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   // Silent odometry is no sign that the car stands.
   const bool heard = !odometry_.empty() &&
                      scan.stamp - odometry_.newestStamp() <= parameters_.odometry.max_odometry_gap;
-  scans_since_stop_ = heard && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
+  // Nor is odometry that says so to be believed while scans say otherwise.
+  const bool doubtful = judge_.doubtfulFor() > 0.0;
+  scans_since_stop_ = heard && !doubtful && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
+  task.predicted = carryForward(anchor_->estimate, task.motion.delta, Eigen::Matrix3d::Zero());
   task.search = search_pending_;
+  task.recover = !task.search && wantsRecovery(scan.stamp);
   task.weigh = task.search || scans_since_stop_ <= parameters_.parked_updates;
   if (!task.weigh) task.result.outcome = ScanOutcome::kParked;
   last_scan_stamp_ = scan.stamp;
   return task;
 }
 
+bool Localizer::wantsRecovery(double stamp) {
+  if (!parameters_.recovery || judge_.doubtfulFor() < kDoubt) return false;
+  return std::abs(stamp - last_recovery_stamp_) >= recovery_pause_;
+}
+
 void Localizer::processScan(ScanTask* task) {
-  if (!task->weigh) return;
-  if (task->search) {
-    task->result.update = filter_.initializeGlobally(*map_, task->beams);
+  if (task->result.outcome != ScanOutcome::kUsed && task->result.outcome != ScanOutcome::kParked) {
     return;
   }
-  filter_.predict(task->motion);
-  task->result.update = filter_.update(map_.get(), task->beams);
+  UpdateResult& update = task->result.update;
+  if (!task->weigh) {
+    update.estimate = task->predicted;
+  } else if (task->search) {
+    update = filter_.initializeGlobally(*map_, task->beams);
+  } else {
+    filter_.predict(task->motion);
+    task->recovered = task->recover && filter_.reconsider(map_.get(), task->beams);
+    update = filter_.update(map_.get(), task->beams);
+  }
+  task->fit = fitScan(map_.get(), update.estimate.base_in_map, task->beams);
   if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;
+}
+
+Verdict Localizer::judge(const ScanTask& task) {
+  const UpdateResult& update = task.result.update;
+  Evidence evidence;
+  evidence.stamp = task.result.stamp;
+  evidence.fit = task.fit;
+  evidence.converging = update.converging;
+  evidence.position_sigma = positionSigma(update.estimate);
+  evidence.travelled = task.motion.distance;
+  const Pose2 correction = between(task.predicted.base_in_map, update.estimate.base_in_map);
+  evidence.correction = {correction.x, correction.y};
+  return judge_.judge(evidence);
 }
 
 ScanResult Localizer::commitScan(const ScanTask& task) {
   ScanResult result = task.result;
+  result.verdict = judge_.verdict();
   switch (result.outcome) {
     case ScanOutcome::kUsed:
       ++counters_.scans_used;
@@ -224,12 +265,21 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
     case ScanOutcome::kParked:
       ++counters_.scans_parked;
       result.update.estimate = anchor_->estimate;
+      result.verdict = judge(task);
       return result;
     default:
       ++counters_.scans_dropped;
       return result;
   }
   if (task.search) search_pending_ = false;
+  if (task.recover) {
+    last_recovery_stamp_ = result.stamp;
+    if (task.recovered) ++counters_.recoveries;
+    if (!task.recovered) judge_.acceptAsUsual();
+    recovery_pause_ =
+        task.recovered ? kShortestPause : std::min(2.0 * recovery_pause_, kLongestPause);
+  }
+  result.verdict = judge(task);
   anchor_ = Anchor{result.update.estimate, task.odometry};
   return result;
 }

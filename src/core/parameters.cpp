@@ -89,6 +89,13 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("field_squash", p.sensor.field.field_squash);
   visit("field_inside", p.sensor.field.field_inside);
 
+  visit("recovery", p.recovery);
+  visit("verdict_time", p.verdict.verdict_time);
+  visit("degraded_deviations", p.verdict.degraded_deviations);
+  visit("lost_below", p.verdict.lost_below);
+  visit("localized_sigma", p.verdict.localized_sigma);
+  visit("odometry_disagreement", p.verdict.odometry_disagreement);
+
   visit("search_spacing", p.sensor.search.search_spacing);
   visit("search_yaw_spacing", p.sensor.search.search_yaw_spacing);
   visit("search_beams", p.sensor.search.search_beams);

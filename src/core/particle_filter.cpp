@@ -8,6 +8,7 @@
 #include "lidar_poses.h"
 #include "racecar_mcl/convergence.h"
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/scan_fit.h"
 #include "racecar_mcl/tempering.h"
 
 namespace racecar_mcl {
@@ -21,6 +22,11 @@ constexpr Eigen::Index kChunk = 64;
 constexpr double kConvergingSurvivors = 0.05;
 // The set shrinks to one particle in so many of global_particles before it has settled.
 constexpr Eigen::Index kConvergingShare = 10;
+
+// When the map is searched again: the share of the particles that stays where they were, and how
+// many beams another place may leave unexplained for each that the old one does.
+constexpr double kKeptShare = 0.3;
+constexpr double kBetterBy = 0.3;
 
 // No start is farther away or wider than this, m: beyond it, squares lose their digits.
 constexpr double kFarthest = 1e7;
@@ -121,9 +127,9 @@ std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameter
   std::optional<LikelihoodField> field;
   if (sensor.sensor_model == SensorModel::kLikelihoodField) field.emplace(grid, sensor.field);
   GlobalSearch search(grid, sensor.search);
-  return std::make_shared<MapModel>(MapModel{std::move(grid), std::move(made),
-                                             std::move(beam_model), std::move(field),
-                                             std::move(search), std::move(free_cells)});
+  return std::make_shared<MapModel>(
+      MapModel{std::move(grid), std::move(made), static_cast<float>(caster.max_range),
+               std::move(beam_model), std::move(field), std::move(search), std::move(free_cells)});
 }
 
 ParticleFilter::ParticleFilter(const ParticleFilterParameters& parameters,
@@ -192,6 +198,30 @@ UpdateResult ParticleFilter::initializeGlobally(const MapModel& map, const Scan&
   result.clusters = findClusters(particles_);
   result.estimate = estimate();
   return result;
+}
+
+bool ParticleFilter::reconsider(MapModel* map, const Scan& beams) {
+  const auto kept = static_cast<Eigen::Index>(kKeptShare * parameters_.global_particles);
+  const ParticleSet found =
+      map->search.candidates(beams, parameters_.global_particles - kept, random_);
+  Eigen::ArrayXd log_likelihoods(found.size());
+  map->search.field().logLikelihood(lidarPoses(found, beams.laser_in_base).batch(), beams,
+                                    log_likelihoods);
+  Eigen::Index best = 0;
+  log_likelihoods.maxCoeff(&best);
+  const double here = fitScan(map, estimate().base_in_map, beams).explained;
+  const double there = fitScan(map, found.pose(best), beams).explained;
+  if (1.0 - there > kBetterBy * (1.0 - here)) return false;
+
+  const ParticleSet old = resample(particles_, kept, parameters_.resampling, random_);
+  particles_.resize(old.size() + found.size());
+  particles_.x << old.x, found.x;
+  particles_.y << old.y, found.y;
+  particles_.yaw << old.yaw, found.yaw;
+  particles_.log_weight.setConstant(-std::log(static_cast<double>(particles_.size())));
+  settling_updates_left_ = parameters_.settling_updates;
+  converging_ = true;
+  return true;
 }
 
 void ParticleFilter::predict(const Motion& motion) {

@@ -68,6 +68,12 @@ void forEachNeighbour(const PoseBin& bin, std::int32_t yaw_bins, Visit&& visit) 
 
 }  // namespace
 
+double positionSigma(const PoseEstimate& estimate) {
+  const Eigen::Matrix3d& c = estimate.covariance;
+  const double middle = 0.5 * (c(0, 0) + c(1, 1));
+  return std::sqrt(std::max(0.0, middle + std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1))));
+}
+
 PoseEstimate weightedMean(const ParticleSet& particles) {
   const Indices all = allOf(particles);
   return meanOf(particles, all, totalWeight(particles, all));

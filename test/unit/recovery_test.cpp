@@ -1,0 +1,81 @@
+// A car that is carried away, or that cannot see, on the simulated maps.
+#include <gtest/gtest.h>
+
+#include "evaluation/simulated_drive.h"
+
+namespace racecar_mcl {
+namespace {
+
+class RecoveryTest : public ::testing::TestWithParam<const char*> {
+ protected:
+  /// Localized at a random pose, and driven for 1.5 s.
+  SimulatedDrive localizedDrive(std::uint64_t seed) const {
+    Random random(seed);
+    const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
+    SimulatedDrive drive(course_, parameters_, {}, pose, 3.0, seed);
+    PoseEstimate start{pose, Eigen::Matrix3d::Zero()};
+    start.covariance.diagonal() << 0.01, 0.01, 0.0025;
+    drive.localizer().initialize(start);
+    drive.drive(1.5, [](const Observation&) {});
+    EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized);
+    return drive;
+  }
+
+  void kidnap(SimulatedDrive* drive, std::uint64_t seed) const {
+    Random random(seed + 100);
+    drive->simulator().place(sim::randomFreePose(*course_.world, {}, random, 0.3));
+  }
+
+  LocalizerParameters parameters_;
+  Course course_ =
+      loadCourse(std::string(RACECAR_MCL_SOURCE_DIR "/maps/") + GetParam() + ".yaml", parameters_);
+};
+
+TEST_P(RecoveryTest, NoticesThatItWasCarriedAwayAndFindsItself) {
+  for (const std::uint64_t seed : {2, 3}) {
+    SimulatedDrive drive = localizedDrive(seed);
+    kidnap(&drive, seed);
+    bool noticed = false;
+    drive.drive(1.0, [&](const Observation& seen) {
+      noticed |= seen.result.verdict.state != VerdictState::kLocalized;
+    });
+    EXPECT_TRUE(noticed) << seed;
+    double error = 0.0;
+    drive.drive(1.5, [&](const Observation& seen) { error = seen.error; });
+    EXPECT_LT(error, 0.2) << seed;
+    EXPECT_GE(drive.localizer().counters().recoveries, 1u);
+  }
+}
+
+TEST_P(RecoveryTest, StaysLostWhereItIsNotToSearch) {
+  parameters_.recovery = false;
+  SimulatedDrive drive = localizedDrive(2);
+  kidnap(&drive, 2);
+  drive.drive(1.0, [](const Observation&) {});
+  EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLost);
+  EXPECT_EQ(drive.localizer().counters().recoveries, 0u);
+}
+
+TEST_P(RecoveryTest, SaysThatACoveredLidarSeesNothing) {
+  SimulatedDrive drive = localizedDrive(2);
+  drive.on_scan = [](Scan* scan) {
+    scan->ranges.setConstant(0.1f);
+    return true;
+  };
+  drive.drive(0.2, [](const Observation&) {});
+  EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kDegraded);
+}
+
+TEST_P(RecoveryTest, DoesNotSearchOnAGoodDrive) {
+  SimulatedDrive drive = localizedDrive(4);
+  drive.drive(2.0, [&](const Observation& seen) {
+    ASSERT_EQ(seen.result.verdict.state, VerdictState::kLocalized);
+  });
+  EXPECT_EQ(drive.localizer().counters().recoveries, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Maps, RecoveryTest, ::testing::Values("corridor", "track"),
+                         [](const auto& map) { return std::string(map.param); });
+
+}  // namespace
+}  // namespace racecar_mcl
