@@ -1,7 +1,9 @@
-// How a localizer that is told nothing finds itself: many simulated drives, each from another
-// random pose. The numbers of bench/ are made with it.
+// What a localizer makes of trouble, on many simulated drives: whether it finds itself, how soon,
+// and whether its verdict tells. The numbers of bench/ are made with it.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,69 +15,180 @@
 namespace racecar_mcl {
 namespace {
 
-constexpr double kRight = 0.15;     // m
-constexpr double kWrong = 0.5;      // m
-constexpr double kDriven = 8.0;     // s, after the start
-constexpr double kClearance = 0.3;  // m, about the car where it starts
+constexpr double kRight = 0.15;       // m
+constexpr double kWrong = 0.5;        // m
+constexpr double kClearance = 0.3;    // m, about the car where it starts
+constexpr double kFarAway = 2.0;      // m, that a kidnapped car is carried at least
+constexpr double kCoverRange = 0.05;  // m, where the beams of a covered lidar end
+
+enum class Trouble { kNone, kGlobalStart, kKidnap, kObstacles, kCovered, kFrozen, kScale };
+
+const std::map<std::string, Trouble> kTroubles = {
+    {"none", Trouble::kNone},         {"start", Trouble::kGlobalStart},
+    {"kidnap", Trouble::kKidnap},     {"obstacles", Trouble::kObstacles},
+    {"covered", Trouble::kCovered},   {"frozen_odometry", Trouble::kFrozen},
+    {"wrong_scale", Trouble::kScale},
+};
 
 struct Options {
   std::vector<std::string> maps;
+  std::vector<std::string> troubles{"start"};
   std::string config;
   std::vector<std::string> settings;
   int drives = 100;
   int seed = 1;
   double speed = 3.0;   // m/s
-  double within = 5.0;  // s
+  double before = 4.0;  // s driven before the trouble
+  double after = 8.0;   // s driven with it
+  bool verbose = false;
 };
 
-/// When a drive was localized: the first error below 15 cm that none above 50 cm follows.
-class Arrival {
+/// What is seen of one drive, in s since its trouble began.
+class Watch {
  public:
-  void see(double seconds, double error) {
-    if (!(error <= kWrong)) seconds_.reset();
-    if (error <= kRight && !seconds_) seconds_ = seconds;
+  void see(double seconds, const Observation& seen) {
+    const bool right = seen.error <= kWrong;
+    const bool trusted = seen.result.verdict.state == VerdictState::kLocalized;
+    const bool alarmed = seen.result.verdict.state == VerdictState::kDegraded ||
+                         seen.result.verdict.state == VerdictState::kLost;
+    ++scans;
+    right_scans += right ? 1 : 0;
+    false_alarms += right && alarmed ? 1 : 0;
+    if (right || !trusted) wrongly_trusted_since_.reset();
+    if (!right && trusted) {
+      if (!wrongly_trusted_since_) wrongly_trusted_since_ = last_seconds_;
+      longest_wrong_trust = std::max(longest_wrong_trust, seconds - *wrongly_trusted_since_);
+    }
+    last_seconds_ = seconds;
+    if (seconds < 0.0) return;
+    if (!trusted && !noticed) noticed = seconds;
+    if (!right) arrived.reset();
+    if (seen.error <= kRight && !arrived) arrived = seconds;
   }
-  std::optional<double> seconds() const { return seconds_; }
+
+  std::optional<double> arrived;     ///< the first error below 15 cm that none above 50 cm follows
+  std::optional<double> noticed;     ///< when it was first not trusted
+  double longest_wrong_trust = 0.0;  ///< localized, it said, while wrong by more than 50 cm
+  long scans = 0;
+  long right_scans = 0;
+  long false_alarms = 0;
 
  private:
-  std::optional<double> seconds_;
+  double last_seconds_ = 0.0;
+  std::optional<double> wrongly_trusted_since_;
 };
 
-std::optional<double> findItself(const Course& course, const LocalizerParameters& parameters,
-                                 double speed, std::uint64_t seed) {
-  Random random(seed);
-  const Pose2 pose = sim::randomFreePose(*course.world, {}, random, kClearance);
-  SimulatedDrive drive(course, parameters, {}, pose, speed, seed);
-  drive.localizer().initializeGlobally();
-  const double begin = drive.simulator().time();
-  Arrival arrival;
-  drive.drive(kDriven,
-              [&](const Observation& seen) { arrival.see(seen.result.stamp - begin, seen.error); });
-  return arrival.seconds();
+Pose2 somewhereElse(const Course& course, const Pose2& here, Random& random) {
+  for (;;) {
+    const Pose2 pose = sim::randomFreePose(*course.world, {}, random, kClearance);
+    if (distance(pose, here) >= kFarAway) return pose;
+  }
 }
 
-void report(const std::string& map, std::vector<double> times, double within) {
+void begin(Trouble trouble, const Course& course, Random& random, SimulatedDrive* drive) {
+  sim::SimulatorParameters parameters = drive->simulator().parameters();
+  switch (trouble) {
+    case Trouble::kKidnap:
+      drive->simulator().place(
+          somewhereElse(course, drive->simulator().truth().base_in_map, random));
+      break;
+    case Trouble::kCovered:
+      drive->on_scan = [](Scan* scan) {
+        scan->ranges.setConstant(static_cast<float>(kCoverRange));
+        return true;
+      };
+      break;
+    case Trouble::kFrozen:
+      drive->on_odometry = [](OdometrySample* sample) {
+        sample->twist = {};
+        return true;
+      };
+      break;
+    case Trouble::kScale:
+      parameters.odometry.speed_scale_error = random.uniform() < 0.5 ? 0.5 : -0.4;
+      drive->simulator().setParameters(parameters);
+      break;
+    default:
+      break;
+  }
+}
+
+Watch driveThrough(Trouble trouble, const Course& course, const LocalizerParameters& parameters,
+                   const Options& options, std::uint64_t seed) {
+  Random random(seed);
+  const Pose2 pose = sim::randomFreePose(*course.world, {}, random, kClearance);
+  SimulatedDrive drive(course, parameters, {}, pose, options.speed, seed);
+  if (trouble == Trouble::kObstacles) {
+    drive.simulator().setObstacles(sim::scatterObstacles(*course.world, 10, 4, pose, random));
+  }
+  double begun = drive.simulator().time();
+  Watch watch;
+  const auto see = [&](const Observation& seen) {
+    watch.see(seen.result.stamp - begun, seen);
+    if (!options.verbose) return;
+    std::printf("  %7.3f s, %6.3f m: %s, %s\n", seen.result.stamp - begun, seen.error,
+                describe(seen.result.verdict.state).c_str(), seen.result.verdict.reason.c_str());
+  };
+  if (trouble == Trouble::kGlobalStart) {
+    drive.localizer().initializeGlobally();
+  } else {
+    PoseEstimate start{pose, Eigen::Matrix3d::Zero()};
+    start.covariance.diagonal() << 0.01, 0.01, 0.0025;
+    drive.localizer().initialize(start);
+    begun += options.before;
+    drive.drive(options.before, see);
+    begin(trouble, course, random, &drive);
+  }
+  drive.drive(options.after, see);
+  return watch;
+}
+
+void report(const std::string& what, const std::vector<Watch>& watches) {
+  const auto drives = static_cast<long>(watches.size());
+  long arrived = 0, noticed = 0, trusted = 0, false_alarms = 0, right_scans = 0;
+  std::vector<double> times;
+  for (const Watch& watch : watches) {
+    times.push_back(watch.arrived.value_or(1e9));
+    arrived += times.back() <= 5.0 ? 1 : 0;
+    noticed += watch.noticed.value_or(1e9) <= 1.0 ? 1 : 0;
+    trusted += watch.longest_wrong_trust > 1.0 ? 1 : 0;
+    false_alarms += watch.false_alarms;
+    right_scans += watch.right_scans;
+  }
   std::sort(times.begin(), times.end());
-  const auto in_time =
-      std::count_if(times.begin(), times.end(), [&](double seconds) { return seconds <= within; });
-  std::printf("%s: %ld of %zu localized within %.1f s; median %.2f s, 90 %% within %.2f s\n",
-              map.c_str(), static_cast<long>(in_time), times.size(), within,
-              times[times.size() / 2], times[times.size() * 9 / 10]);
+  char median[32] = "none";
+  if (times[times.size() / 2] < 1e9) {
+    std::snprintf(median, sizeof(median), "%.2f s", times[times.size() / 2]);
+  }
+  std::printf(
+      "%s: of %ld drives %ld localized within 5 s (median %s), %ld noticed within 1 s, %ld "
+      "wrongly trusted for over 1 s; false alarms %.2f %% of the time\n",
+      what.c_str(), drives, arrived, median, noticed, trusted,
+      100.0 * static_cast<double>(false_alarms) / static_cast<double>(std::max(1L, right_scans)));
 }
 
 void run(const Options& options) {
   const LocalizerParameters parameters = readParameters(options.config, options.settings);
   for (const std::string& map : options.maps) {
     const Course course = loadCourse(map, parameters);
-    std::vector<double> times;
-    for (int i = 0; i < options.drives; ++i) {
-      const int seed = options.seed + i;
-      const std::optional<double> seconds =
-          findItself(course, parameters, options.speed, static_cast<std::uint64_t>(seed));
-      times.push_back(seconds.value_or(kDriven));
-      if (!seconds) std::printf("%s: not with seed %d\n", map.c_str(), seed);
+    for (const std::string& name : options.troubles) {
+      std::vector<Watch> watches;
+      for (int i = 0; i < options.drives; ++i) {
+        const auto seed = static_cast<std::uint64_t>(options.seed + i);
+        watches.push_back(driveThrough(kTroubles.at(name), course, parameters, options, seed));
+        const Watch& watch = watches.back();
+        if (options.verbose || watch.longest_wrong_trust > 1.0) {
+          std::printf("  %s, %s, seed %d: wrongly trusted for %.2f s\n", map.c_str(), name.c_str(),
+                      options.seed + i, watch.longest_wrong_trust);
+        }
+        if (!watch.arrived && (name == "start" || name == "kidnap")) {
+          std::printf("  %s, %s, seed %d: not localized\n", map.c_str(), name.c_str(),
+                      options.seed + i);
+        }
+        std::fflush(stdout);
+      }
+      report(map + ", " + name, watches);
     }
-    report(map, std::move(times), options.within);
   }
 }
 
@@ -84,16 +197,24 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   racecar_mcl::Options options;
-  CLI::App app(
-      "Starts the localizer anywhere on simulated drives: how many find themselves, how soon.",
-      "evaluate_drives");
+  CLI::App app("Simulated drives with trouble: whether the localizer finds itself, and says so.",
+               "evaluate_drives");
   app.add_option("--map", options.maps, "YAML files of maps; each is driven on")->required();
-  app.add_option("--drives", options.drives, "per map")->capture_default_str();
+  std::vector<std::string> names;
+  for (const auto& trouble : racecar_mcl::kTroubles) names.push_back(trouble.first);
+  app.add_option("--trouble", options.troubles, "what happens on the drives")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app.add_option("--drives", options.drives, "per map and trouble")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "of the first drive; each has its own")
       ->capture_default_str();
   app.add_option("--speed", options.speed, "m/s")->capture_default_str();
-  app.add_option("--within", options.within, "s, to be localized")->capture_default_str();
+  app.add_option("--before", options.before, "s, driven before the trouble")->capture_default_str();
+  app.add_option("--after", options.after, "s, driven with it")->capture_default_str();
   app.add_option("--config", options.config, "parameters as a YAML file");
   app.add_option("--set", options.settings, "a parameter as name:=value; after --config");
+  app.add_flag("--verbose", options.verbose, "a line per scan");
   return racecar_mcl::runProgram(app, argc, argv, [&] { racecar_mcl::run(options); });
 }

@@ -13,6 +13,35 @@ struct Summary {
   std::string message;
 };
 
+diagnostic_msgs::DiagnosticStatus::_level_type levelOf(VerdictState state) {
+  switch (state) {
+    case VerdictState::kLocalized:
+      return diagnostic_msgs::DiagnosticStatus::OK;
+    case VerdictState::kLost:
+      return diagnostic_msgs::DiagnosticStatus::ERROR;
+    default:
+      return diagnostic_msgs::DiagnosticStatus::WARN;
+  }
+}
+
+template <typename Value>
+void add(const char* key, const Value& value, diagnostic_msgs::DiagnosticStatus* message) {
+  diagnostic_msgs::KeyValue pair;
+  pair.key = key;
+  std::ostringstream text;
+  text << value;
+  pair.value = text.str();
+  message->values.push_back(pair);
+}
+
+void addVerdict(const Verdict& verdict, diagnostic_msgs::DiagnosticStatus* message) {
+  add("verdict", describe(verdict.state), message);
+  add("reason", verdict.reason, message);
+  add("explained beams (%)", 100.0 * verdict.explained, message);
+  add("usually explained (%)", 100.0 * verdict.usually, message);
+  add("odometry disagreement (%)", 100.0 * verdict.disagreement, message);
+}
+
 Summary summarize(const NodeStatus& s) {
   using Status = diagnostic_msgs::DiagnosticStatus;
   if (!s.has_map) return {Status::WARN, "waiting for a map"};
@@ -20,10 +49,20 @@ Summary summarize(const NodeStatus& s) {
   if (s.seconds_since_scan > kSilent) return {Status::WARN, "no scans"};
   if (s.seconds_since_odometry > kSilent) return {Status::WARN, "no odometry"};
   if (s.counters.scans_used == 0) return {Status::WARN, "no scan could be used yet"};
-  return {Status::OK, "localizing"};
+  return {levelOf(s.verdict.state), describe(s.verdict.state) + ": " + s.verdict.reason};
 }
 
 }  // namespace
+
+diagnostic_msgs::DiagnosticStatus toDiagnostics(const Verdict& verdict) {
+  diagnostic_msgs::DiagnosticStatus message;
+  message.level = levelOf(verdict.state);
+  message.name = "verdict";
+  message.hardware_id = "none";
+  message.message = describe(verdict.state);
+  addVerdict(verdict, &message);
+  return message;
+}
 
 diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::string& name) {
   diagnostic_msgs::DiagnosticStatus message;
@@ -32,14 +71,12 @@ diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::
   const Summary summary = summarize(s);
   message.level = summary.level;
   message.message = summary.message;
+  addVerdict(s.verdict, &message);
   const auto add = [&](const char* key, const auto& value) {
-    diagnostic_msgs::KeyValue pair;
-    pair.key = key;
-    std::ostringstream text;
-    text << value;
-    pair.value = text.str();
-    message.values.push_back(pair);
+    racecar_mcl::add(key, value, &message);
   };
+  add("clusters", s.clusters);
+  add("recoveries", s.counters.recoveries);
   add("particles", s.particles);
   add("beams", s.beams);
   add("effective sample size", s.effective_sample_size);

@@ -15,6 +15,8 @@ struct NodeStatus {
   bool has_map = false;
   bool started = false;
   LocalizerCounters counters;
+  Verdict verdict;                     ///< on the estimate
+  int clusters = 0;                    ///< places where particles are
   std::uint64_t scans_unreadable = 0;  ///< messages that no conversion accepted
   std::uint64_t scans_without_tf = 0;  ///< no transform from the scan's frame to the car
   std::uint64_t scans_superseded = 0;  ///< a newer scan came before its turn
@@ -32,6 +34,9 @@ struct NodeStatus {
   double position_sigma = 0.0;  ///< m, the larger axis
   double yaw_sigma = 0.0;       ///< rad
 };
+
+/// The verdict alone: its level, its state as the message, and what led to it.
+diagnostic_msgs::DiagnosticStatus toDiagnostics(const Verdict& verdict);
 
 diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& status, const std::string& name);
 

@@ -61,7 +61,9 @@ void LocalizationNode::processScan() {
   {
     const std::lock_guard<std::mutex> lock(timeline_mutex_);
     result = localizer_.commitScan(task);
+    status_.verdict = result.verdict;
   }
+  output_.publishVerdict(result.verdict);
   if (result.outcome == ScanOutcome::kTimeJumpedBack) restartAfterTimeJump(scan->stamp);
   if (result.outcome != ScanOutcome::kUsed && result.outcome != ScanOutcome::kParked) {
     reportDropped(result.outcome);
@@ -87,6 +89,7 @@ void LocalizationNode::noteScan(const ScanResult& result, ros::WallTime arrival)
   status_.effective_sample_size = result.update.effective_sample_size;
   status_.particles = result.update.particles;
   status_.beams = result.update.beams;
+  status_.clusters = static_cast<int>(result.update.clusters.size());
 }
 
 void LocalizationNode::reportDropped(ScanOutcome outcome) {

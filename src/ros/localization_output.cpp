@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "ros/diagnostics.h"
 #include "ros/visualization.h"
 
 namespace racecar_mcl {
@@ -32,6 +33,7 @@ LocalizationOutput::LocalizationOutput(ros::NodeHandle node, const NodeParameter
       pose_(node.advertise<nav_msgs::Odometry>("pf/pose/odom", 10)),
       inferred_pose_(node.advertise<geometry_msgs::PoseStamped>("pf/viz/inferred_pose", 1)),
       amcl_pose_(node.advertise<geometry_msgs::PoseWithCovarianceStamped>("amcl_pose", 1, true)),
+      verdict_(node.advertise<diagnostic_msgs::DiagnosticStatus>("pf/verdict", 10, true)),
       particles_(node.advertise<geometry_msgs::PoseArray>("pf/viz/particles", 1)),
       markers_(node.advertise<visualization_msgs::MarkerArray>("pf/viz/particle_markers", 1)),
       scan_(node.advertise<sensor_msgs::LaserScan>("pf/viz/scan", 1)),
@@ -59,6 +61,12 @@ void LocalizationOutput::publishPose(const PoseEstimate& estimate, const Twist2&
   amcl_pose->header = odometry->header;
   amcl_pose->pose = odometry->pose;
   amcl_pose_.publish(amcl_pose);
+}
+
+void LocalizationOutput::publishVerdict(const Verdict& verdict) {
+  if (last_verdict_ == verdict.state) return;
+  last_verdict_ = verdict.state;
+  verdict_.publish(boost::make_shared<diagnostic_msgs::DiagnosticStatus>(toDiagnostics(verdict)));
 }
 
 void LocalizationOutput::broadcast(const std::string& child, const Pose2& child_in_map,

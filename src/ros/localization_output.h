@@ -6,9 +6,11 @@
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include <optional>
 #include <string>
 
 #include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/verdict.h"
 #include "ros/conversions.h"
 #include "ros/node_parameters.h"
 
@@ -22,6 +24,9 @@ class LocalizationOutput {
   /// To pf/pose/odom and pf/viz/inferred_pose; after a scan to amcl_pose too.
   void publishPose(const PoseEstimate& estimate, const Twist2& twist, double stamp,
                    bool after_scan);
+
+  /// To pf/verdict, latched, whenever its state changes.
+  void publishVerdict(const Verdict& verdict);
 
   /// tf map -> `child`, stamped transform_tolerance after `stamp`.
   void broadcast(const std::string& child, const Pose2& child_in_map, double stamp);
@@ -39,6 +44,8 @@ class LocalizationOutput {
   double visualization_period_;
   ros::WallTime last_visualization_;
   ros::Publisher pose_, inferred_pose_, amcl_pose_;
+  ros::Publisher verdict_;
+  std::optional<VerdictState> last_verdict_;
   ros::Publisher particles_, markers_, scan_, fake_scan_;
   tf2_ros::TransformBroadcaster broadcaster_;
 };

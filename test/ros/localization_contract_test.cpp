@@ -208,7 +208,8 @@ TEST_F(LocalizationContractTest, ShowsNothingMoreOftenThanVisualizationRate) {
 TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
   startLocalized();
   drive(1.0);
-  ASSERT_TRUE(listener_.waitFor([&] { return listener_.diagnostics().message == "localizing"; }));
+  ASSERT_TRUE(listener_.waitFor(
+      [&] { return listener_.diagnostics().message.rfind("localized", 0) == 0; }));
   const auto status = listener_.diagnostics();
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK);
   EXPECT_EQ(status.name, namespace_ + "/localization: localization");

@@ -105,7 +105,8 @@ TEST_F(Replay, localizesAndSaysHowWell) {
   ASSERT_EQ(updates.size(), 42u);
   EXPECT_EQ(updates[0],
             "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,"
-            "effective_sample_size,beams,particles,log_likelihood,resampled,outcome,update_ms");
+            "effective_sample_size,beams,particles,log_likelihood,resampled,outcome,update_ms,"
+            "clusters,explained,verdict,reason");
   EXPECT_EQ(updates[1].substr(0, 21), "1500000000.000000000,");
 }
 
