@@ -25,7 +25,7 @@ struct GlobalSearchParameters {
 void validate(const GlobalSearchParameters& parameters);
 
 /// The likelihood field that tells places apart: wider than one that measures a pose to the
-/// centimetre, and content with a beam that ends anywhere within a wall.
+/// centimetre, and content with a beam that ends anywhere within a thick wall.
 LikelihoodFieldParameters fieldOfPlaces(const GlobalSearchParameters& parameters);
 
 /// A lattice of poses over the free cells of a map, compared with a scan from coarse to fine.
