@@ -70,6 +70,8 @@ class Judge {
   const Verdict& verdict() const { return verdict_; }
   /// For how long, s, scans were explained worse than usual by an estimate that had settled.
   double doubtfulFor() const { return doubtful_since_ ? last_stamp_ - *doubtful_since_ : 0.0; }
+  /// And how many scans that were.
+  int doubtfulScans() const { return doubtful_scans_; }
 
  private:
   void average(const Evidence& evidence);
@@ -86,6 +88,7 @@ class Judge {
   bool heard_ = false;                                    ///< a scan since the start
   bool was_localized_ = false;                            ///< since the start
   std::optional<double> doubtful_since_;                  ///< s
+  int doubtful_scans_ = 0;                                ///< one after the other
   std::optional<double> unusable_since_;                  ///< s
   Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  ///< m, in the last seconds
   double travelled_ = 0.0;                                ///< m, in the last seconds

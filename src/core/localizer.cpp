@@ -14,9 +14,10 @@ namespace {
 constexpr double kParkedDistance = 1e-3;  // m
 constexpr double kParkedRotation = 1e-3;  // rad
 
-// How long scans must be explained badly before the map is searched again, and how long it takes at
-// least and at most until the next search if that was in vain.
-constexpr double kDoubt = 0.2;          // s
+// For how long and how many scans must be explained badly before the map is searched again, and how
+// long it takes at least and at most until the next search if that was in vain.
+constexpr double kDoubt = 0.2;  // s
+constexpr int kDoubtfulScans = 6;
 constexpr double kShortestPause = 0.5;  // s
 constexpr double kLongestPause = 16.0;  // s
 
@@ -217,7 +218,10 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
 }
 
 bool Localizer::wantsRecovery(double stamp) {
-  if (!parameters_.recovery || judge_.doubtfulFor() < kDoubt) return false;
+  if (!parameters_.recovery || judge_.doubtfulFor() < kDoubt ||
+      judge_.doubtfulScans() < kDoubtfulScans) {
+    return false;
+  }
   return std::abs(stamp - last_recovery_stamp_) >= recovery_pause_;
 }
 

@@ -68,6 +68,7 @@ void Judge::startAgain() {
   heard_ = false;
   was_localized_ = false;
   doubtful_since_.reset();
+  doubtful_scans_ = 0;
   unusable_since_.reset();
   correction_.setZero();
   travelled_ = 0.0;
@@ -136,6 +137,7 @@ const Verdict& Judge::judge(const Evidence& evidence) {
   }
   const bool doubtful = !evidence.converging && evidence.fit.beams >= kFewestBeams &&
                         explained_ < std::max(leastUsual(), parameters_.lost_below * usual_);
+  doubtful_scans_ = doubtful ? doubtful_scans_ + 1 : 0;
   if (!doubtful) {
     doubtful_since_.reset();
   } else if (!doubtful_since_) {
@@ -156,6 +158,7 @@ const Verdict& Judge::judgeUnusable(double stamp) {
 void Judge::acceptAsUsual() {
   usual_ = std::max(kUsualAtLeast, std::min(usual_, explained_));
   doubtful_since_.reset();
+  doubtful_scans_ = 0;
 }
 
 }  // namespace racecar_mcl

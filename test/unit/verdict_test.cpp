@@ -49,9 +49,11 @@ TEST_F(VerdictTest, IsLostWithinASecondOfBeamsThatNothingExplains) {
   evidence_.fit.explained = 0.3;
   EXPECT_EQ(after(0.5), VerdictState::kLost);
   EXPECT_GT(judge_.doubtfulFor(), 0.2);
+  EXPECT_GT(judge_.doubtfulScans(), 10);
   evidence_.fit.explained = 0.95;
   EXPECT_EQ(after(1.5), VerdictState::kLocalized);
   EXPECT_EQ(judge_.doubtfulFor(), 0.0);
+  EXPECT_EQ(judge_.doubtfulScans(), 0);
 }
 
 TEST_F(VerdictTest, IsDegradedWhereAFewBeamsMoreThanUsualAreUnexplained) {
