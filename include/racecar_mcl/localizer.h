@@ -9,6 +9,7 @@
 #include <string>
 
 #include "racecar_mcl/odometry.h"
+#include "racecar_mcl/odometry_calibration.h"
 #include "racecar_mcl/particle_filter.h"
 #include "racecar_mcl/scan.h"
 #include "racecar_mcl/verdict.h"
@@ -20,6 +21,7 @@ struct LocalizerParameters {
   MotionModelParameters motion;
   SensorParameters sensor;
   OdometryParameters odometry;
+  OdometryCalibrationParameters calibration;
   VerdictParameters verdict;
   int num_beams_per_particle = 100;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
@@ -161,6 +163,7 @@ class Localizer {
   LocalizerParameters parameters_;
   ParticleFilter filter_;
   OdometryHistory odometry_;
+  OdometryCalibration calibration_;
   std::shared_ptr<MapModel> map_;
   std::optional<Anchor> anchor_;
   std::optional<double> last_scan_stamp_;

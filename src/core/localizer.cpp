@@ -48,6 +48,7 @@ void validate(const LocalizerParameters& p) {
   validate(p.motion);
   validate(p.sensor);
   validate(p.odometry);
+  validate(p.calibration);
   validate(p.verdict);
   std::ostringstream problem;
   if (p.num_beams_per_particle < 1 || p.num_beams_per_particle > 10000) {
@@ -98,6 +99,7 @@ Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
     : parameters_((validate(parameters), parameters)),
       filter_(parameters.filter, parameters.motion, seed),
       odometry_(parameters.odometry),
+      calibration_(parameters.calibration),
       judge_(parameters.verdict) {}
 
 void Localizer::setMap(std::shared_ptr<MapModel> map) { map_ = std::move(map); }
@@ -196,7 +198,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
     return task;
   }
   task.odometry = odometry_.at(scan.stamp);
-  task.motion = motionBetween(anchor_->odometry, task.odometry);
+  task.motion = calibration_.correct(motionBetween(anchor_->odometry, task.odometry));
   if (parameters_.deskew && task.beams.seconds_after_stamp.maxCoeff() > 0.0f) {
     task.beams = deskew(task.beams, [&](double seconds) {
       return between(task.odometry.base_in_odom, odometry_.at(scan.stamp + seconds).base_in_odom);
@@ -284,6 +286,10 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
         task.recovered ? kShortestPause : std::min(2.0 * recovery_pause_, kLongestPause);
   }
   result.verdict = judge(task);
+  if (result.verdict.state == VerdictState::kLocalized) {
+    calibration_.learn(task.motion,
+                       between(task.predicted.base_in_map, result.update.estimate.base_in_map));
+  }
   anchor_ = Anchor{result.update.estimate, task.odometry};
   return result;
 }
@@ -297,7 +303,7 @@ ScanResult Localizer::addScan(const Scan& scan) {
 std::optional<PoseEstimate> Localizer::estimateAt(double stamp) const {
   if (!anchor_) return std::nullopt;
   const OdometryState then = odometry_.at(stamp);
-  const Motion motion = motionBetween(anchor_->odometry, then);
+  const Motion motion = calibration_.correct(motionBetween(anchor_->odometry, then));
   return carryForward(anchor_->estimate, motion.delta,
                       motionCovariance(parameters_.motion, motion));
 }

@@ -1,0 +1,99 @@
+#include "racecar_mcl/odometry_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl {
+namespace {
+
+Motion straight(double metres) {
+  Motion motion;
+  motion.delta = {metres, 0.0, 0.0};
+  motion.distance = std::abs(metres);
+  return motion;
+}
+
+Motion arc(double metres, double yaw) {
+  Motion motion;
+  motion.delta = integrate({metres, 0.0, yaw}, 1.0);
+  motion.distance = std::abs(metres);
+  motion.rotation = std::abs(yaw);
+  return motion;
+}
+
+/// Scans take half of every error back.
+void drive(OdometryCalibration* calibration, const Motion& odometry, const Motion& truth,
+           int steps) {
+  Pose2 lead;  // of the estimate before the scan, in the frame of the truth
+  for (int i = 0; i < steps; ++i) {
+    const Motion corrected = calibration->correct(odometry);
+    lead = between(truth.delta, compose(lead, corrected.delta));
+    const Pose2 after = interpolate(lead, {}, 0.5);
+    calibration->learn(corrected, between(lead, after));
+    lead = after;
+  }
+}
+
+TEST(OdometryCalibration, LearnsTheSizeOfTheWheels) {
+  for (const double step : {0.1, -0.1}) {
+    OdometryCalibration calibration({20.0});
+    drive(&calibration, straight(1.03 * step), straight(step), 1000);
+    EXPECT_NEAR(calibration.distanceScale(), 1.0 / 1.03, 1e-3);
+    EXPECT_NEAR(calibration.curvature(), 0.0, 1e-9);
+    EXPECT_NEAR(calibration.correct(straight(1.03)).delta.x, 1.0, 1e-3);
+    EXPECT_NEAR(calibration.correct(straight(1.03)).distance, 1.0, 1e-3);
+  }
+}
+
+TEST(OdometryCalibration, LearnsTheSteeringsMiddleOnTheStraight) {
+  OdometryCalibration calibration({20.0});
+  drive(&calibration, straight(0.1), arc(0.1, 0.002), 1000);
+  EXPECT_NEAR(calibration.curvature(), 0.02, 1e-3);
+  EXPECT_NEAR(calibration.turnScale(), 1.0, 1e-3);
+}
+
+TEST(OdometryCalibration, TellsTurnsFromTheSteeringsMiddle) {
+  OdometryCalibration calibration({20.0});
+  for (int lap = 0; lap < 100; ++lap) {
+    drive(&calibration, arc(0.1, 0.105), arc(0.1, 0.1), 20);
+    drive(&calibration, arc(0.1, -0.105), arc(0.1, -0.1), 20);
+  }
+  EXPECT_NEAR(calibration.turnScale(), 1.0 / 1.05, 3e-3);
+  EXPECT_NEAR(calibration.curvature(), 0.0, 3e-3);
+}
+
+TEST(OdometryCalibration, StaysWithinBounds) {
+  OdometryCalibration calibration({1.0});
+  drive(&calibration, arc(1.0, 1.0), arc(0.5, 0.2), 1000);
+  EXPECT_GE(calibration.distanceScale(), 0.85);
+  EXPECT_GE(calibration.turnScale(), 0.85);
+  EXPECT_GE(calibration.curvature(), -0.1);
+}
+
+TEST(OdometryCalibration, LearnsNothingFromACarThatStands) {
+  OdometryCalibration calibration({20.0});
+  calibration.learn(straight(0.0), {0.1, 0.1, 0.1});
+  EXPECT_EQ(calibration.distanceScale(), 1.0);
+  EXPECT_EQ(calibration.turnScale(), 1.0);
+  EXPECT_EQ(calibration.curvature(), 0.0);
+}
+
+TEST(OdometryCalibration, LearnsNothingWhereItIsOff) {
+  OdometryCalibration calibration({0.0});
+  drive(&calibration, straight(0.11), straight(0.1), 1000);
+  EXPECT_EQ(calibration.distanceScale(), 1.0);
+}
+
+TEST(OdometryCalibration, RefusesADistanceThatIsNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double distance : {-1.0, 0.5, 2e6, nan}) {
+    EXPECT_THROW(validate(OdometryCalibrationParameters{distance}), ParameterError) << distance;
+  }
+  EXPECT_NO_THROW(validate(OdometryCalibrationParameters{0.0}));
+}
+
+}  // namespace
+}  // namespace racecar_mcl
