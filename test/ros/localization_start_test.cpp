@@ -16,10 +16,6 @@ struct Cloud {
 
 class LocalizationStartTest : public LocalizationTest {
  protected:
-  /// No particle of a global start lies near the car. The beam model's wide hit finds the nearest
-  /// all the same; a narrow sensor model now and then takes the room for its own half turn.
-  void forgiveDecimetres() { parameters_.setParam("sensor_model", "beam"); }
-
   void listenToParticles() {
     particles_ = handle_.subscribe<geometry_msgs::PoseArray>(
         "pf/viz/particles", 1, [this](const geometry_msgs::PoseArrayConstPtr& message) {
@@ -157,7 +153,6 @@ TEST_F(LocalizationStartTest, FromAListAsTheParameter) {
 }
 
 TEST_F(LocalizationStartTest, GloballyByParameterAsSoonAsThereIsAMap) {
-  forgiveDecimetres();
   parameters_.setParam("global_start", true);
   startNode();
   publishMap();
@@ -167,7 +162,6 @@ TEST_F(LocalizationStartTest, GloballyByParameterAsSoonAsThereIsAMap) {
 }
 
 TEST_F(LocalizationStartTest, GloballyByClickedPoint) {
-  forgiveDecimetres();
   ros::Publisher clicked = handle_.advertise<geometry_msgs::PointStamped>("clicked_point", 1);
   startNode();
   clicked.publish(geometry_msgs::PointStamped());
@@ -182,7 +176,6 @@ TEST_F(LocalizationStartTest, GloballyByClickedPoint) {
 }
 
 TEST_F(LocalizationStartTest, GloballyByService) {
-  forgiveDecimetres();
   startLocalized();
   car_.place(compose(roomInMap(), {4.5, 4.5, 3.0}));  // carried away
   car_.twist = {0.8, 0.0, 1.0};
