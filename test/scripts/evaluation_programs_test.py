@@ -39,8 +39,9 @@ class OnADrive(unittest.TestCase):
 
     @classmethod
     def replay(cls, name, *start, map_yaml=None):
+        # Lost is to stay lost.
         programs.run("replay", ["--bag", cls.bag, "--map", map_yaml or cls.map, "--truth", cls.tum, *start,
-                                "--out", cls.folder / name])
+                                "--set", "recovery:=false", "--out", cls.folder / name])
 
     def evaluate(self, *arguments):
         """The page's text."""
