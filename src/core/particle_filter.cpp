@@ -274,7 +274,8 @@ void ParticleFilter::settleOn(const std::vector<Cluster>& clusters) {
 
 PoseEstimate ParticleFilter::estimate() const {
   // The mean of several places is none of them.
-  return estimatePose(particles_, converging_ ? EstimateFrom::kCluster : parameters_.estimate);
+  const bool between_places = converging_ && parameters_.estimate == EstimateFrom::kMean;
+  return estimatePose(particles_, between_places ? EstimateFrom::kCluster : parameters_.estimate);
 }
 
 Eigen::Index ParticleFilter::nextSize() const {

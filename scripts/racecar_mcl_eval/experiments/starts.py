@@ -136,7 +136,8 @@ class ThreeEstimates:
                      "them, where the car is not. This corridor looks the same from both ends, but "
                      "for one deep niche (top right); the filter starts anywhere. Until the car "
                      "has looked into that niche, two places explain all scans: its own and the twin, "
-                     "half a turn about the middle.")
+                     "half a turn about the middle. While the filter is in more than one place it gives "
+                     "the best cluster instead of the mean, which is why those two rows are alike.")
         self._table(section, workshop)
         self._figure(section, workshop)
 
@@ -188,7 +189,7 @@ class ThreeEstimates:
             loc="upper center", ncol=6, bbox_to_anchor=(0.5, 1.06))
         section.figure(figure, "three-estimates", "A start anywhere in a corridor where every "
                        f"place has a twin; seed {self.seeds[0]}. Top: the particles stand in two "
-                       "groups, the mean in between. Below: where the estimates were, and their "
+                       "groups. Below: where the estimates were, and their "
                        "errors, until the niche is seen and the wrong group dies out.",
                        workshop.commands(*(self.runs[kind, self.seeds[0]] for kind, _, _ in self.KINDS)))
 
