@@ -16,6 +16,7 @@
 #include "racecar_mcl/range_caster.h"
 #include "racecar_mcl/resampling.h"
 #include "racecar_mcl/scan.h"
+#include "racecar_mcl/scan_weigher.h"
 
 namespace racecar_mcl {
 
@@ -32,6 +33,8 @@ struct ParticleFilterParameters {
                                ///< that few particles close in on a pose that none of them hit
   double news_distance = 0.5;  ///< m; while the set is in several places, a scan counts in full
                                ///< after this much driving
+  int num_threads = 1;         ///< that weigh the particles; 0 = one per core. The result is the
+                               ///< same to the bit
 };
 
 /// Throws ParameterError on a value out of range.
@@ -122,9 +125,10 @@ class ParticleFilter {
 
  private:
   /// What a scan says of each particle, tempered while the set converges.
-  Eigen::ArrayXd judge(MapModel* map, const Scan& beams) const;
+  Eigen::ArrayXd& judge(MapModel* map, const Scan& beams);
   /// Ends the convergence where a single place is left, and leaves the others.
   void settleOn(const std::vector<Cluster>& clusters);
+  EstimateFrom estimateFrom() const;
   Eigen::Index nextSize() const;
   void resampleAndSettle();
 
@@ -135,6 +139,10 @@ class ParticleFilter {
   int settling_updates_left_ = 0;
   bool converging_ = false;
   double news_ = 1.0;  ///< share of the next scan that is news
+  // Kept from update to update, so that tracking allocates nothing.
+  ScanWeigher weigher_;
+  Eigen::ArrayXd weights_;  ///< of particles_, within an update
+  ParticleSet drawn_;
 };
 
 }  // namespace racecar_mcl

@@ -31,18 +31,25 @@ struct Cluster {
   Eigen::Index particles = 0;  ///< how many
 };
 
-/// The weighted mean (yaw by its circular mean) and covariance about it. Needs normalised weights
-/// and at least one particle. Of yaws that cancel out the result is the first particle's.
+/// The weighted mean (yaw by its circular mean) and covariance about it, with the weights given or
+/// those of the set. Needs at least one particle, and a weight above zero. Of yaws that cancel out
+/// the result is the first particle's.
+PoseEstimate weightedMean(const ParticleSet& particles, const Eigen::ArrayXd& weights);
 PoseEstimate weightedMean(const ParticleSet& particles);
 
 /// The heaviest particle, with the covariance of the whole set about it.
+PoseEstimate bestParticle(const ParticleSet& particles, const Eigen::ArrayXd& weights);
 PoseEstimate bestParticle(const ParticleSet& particles);
 
 /// The clusters of the set, heaviest first; bins touch across edges and corners, and yaw wraps
-/// round.
+/// round. Of a set in one place it allocates only the result.
+std::vector<Cluster> findClusters(const ParticleSet& particles, const Eigen::ArrayXd& weights,
+                                  const PoseBins& bins = {});
 std::vector<Cluster> findClusters(const ParticleSet& particles, const PoseBins& bins = {});
 
-/// The estimate of the chosen kind.
+/// The estimate of the chosen kind. With the weights at hand, mean and best allocate nothing.
+PoseEstimate estimatePose(const ParticleSet& particles, const Eigen::ArrayXd& weights,
+                          EstimateFrom from);
 PoseEstimate estimatePose(const ParticleSet& particles, EstimateFrom from);
 
 /// The estimate after a motion with noise of the given covariance (in the frame of the car before

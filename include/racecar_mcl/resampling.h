@@ -8,13 +8,18 @@
 
 namespace racecar_mcl {
 
-/// Shifts log weights so that the weights sum to 1 and returns the logarithm of their sum before.
-/// Where all weights are zero (or one is NaN or +inf) it returns -inf and leaves them as they are.
+/// Shifts log weights so that the weights sum to 1 and returns the logarithm of their sum before;
+/// `weights` receives them. Where all weights are zero (or one is NaN or +inf) it returns -inf,
+/// leaves the log weights as they are, and what `weights` holds means nothing.
+double normalizeLogWeights(Eigen::ArrayXd* log_weights, Eigen::ArrayXd* weights);
 double normalizeLogWeights(Eigen::ArrayXd* log_weights);
+
+/// The weights themselves.
+Eigen::ArrayXd weightsOf(const ParticleSet& particles);
 
 /// 1 / sum of squared weights: between 1 (one particle holds all) and N (all are equal). Needs
 /// normalised weights.
-double effectiveSampleSize(const Eigen::ArrayXd& log_weights);
+double effectiveSampleSize(const Eigen::ArrayXd& weights);
 
 enum class ResamplingMethod {
   kSystematic,   ///< one random number, N equally spaced pointers: the least variance
@@ -26,6 +31,11 @@ enum class ResamplingMethod {
 /// zero.
 ParticleSet resample(const ParticleSet& particles, Eigen::Index count, ResamplingMethod method,
                      Random& random);
+
+/// The same into a set that already has its size, with the weights at hand. The systematic method
+/// allocates nothing.
+void resample(const ParticleSet& particles, const Eigen::ArrayXd& weights, ResamplingMethod method,
+              Random& random, ParticleSet* drawn);
 
 /// Size of one bin of the histogram that measures how many places a particle set occupies.
 struct PoseBins {

@@ -1,15 +1,45 @@
 #include "racecar_mcl/beam_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include "instruction_set.h"
 #include "racecar_mcl/errors.h"
 
 namespace racecar_mcl {
+namespace {
+
+struct PixelScale {
+  float pixels_per_metre;
+  float last;  ///< pixel
+};
+
+RACECAR_MCL_INLINE int pixelOf(const PixelScale& scale, float range) {
+  const float pixel = range * scale.pixels_per_metre;
+  // NaN counts as 0.
+  const float positive = pixel > 0.0F ? pixel : 0.0F;
+  return static_cast<int>((positive < scale.last ? positive : scale.last) + 0.5F);
+}
+
+/// Four sums side by side, for one would wait for its own last addition.
+RACECAR_MCL_INLINE float sumOf(const float* const* rows, const int* pixels, int count) {
+  std::array<float, 4> sums = {};
+  int k = 0;
+  for (; k + 4 <= count; k += 4) {
+    sums[0] += rows[k][pixels[k]];
+    sums[1] += rows[k + 1][pixels[k + 1]];
+    sums[2] += rows[k + 2][pixels[k + 2]];
+    sums[3] += rows[k + 3][pixels[k + 3]];
+  }
+  for (; k < count; ++k) sums[0] += rows[k][pixels[k]];
+  return (sums[0] + sums[2]) + (sums[1] + sums[3]);
+}
+
+}  // namespace
 
 void validate(const BeamModelParameters& p) {
   validate(p.table);
@@ -41,23 +71,24 @@ BeamModel::BeamModel(const BeamModelParameters& parameters, double resolution)
 void BeamModel::logLikelihood(const Eigen::ArrayXf& measured,
                               const Eigen::Ref<const Eigen::ArrayXXf>& expected,
                               Eigen::Ref<Eigen::ArrayXd> log_likelihood) const {
-  const auto beams = measured.size();
-  const float last = static_cast<float>(width_ - 1);
-  const float pixels_per_metre = static_cast<float>(1.0 / pixel_);
-  const auto pixelOf = [&](float range) {
-    // std::max returns its first argument where the second is NaN.
-    return static_cast<int>(std::min(std::max(0.0f, range * pixels_per_metre), last) + 0.5f);
-  };
-  std::vector<const float*> rows(static_cast<std::size_t>(beams));
-  for (Eigen::Index k = 0; k < beams; ++k) {
-    rows[static_cast<std::size_t>(k)] = log_table_.col(pixelOf(measured[k])).data();
-  }
-  for (Eigen::Index i = 0; i < expected.cols(); ++i) {
-    float sum = 0.0f;
-    for (Eigen::Index k = 0; k < beams; ++k) {
-      sum += rows[static_cast<std::size_t>(k)][pixelOf(expected(k, i))];
+  const PixelScale scale{static_cast<float>(1.0 / pixel_), static_cast<float>(width_ - 1)};
+  log_likelihood.setZero();
+  constexpr int kMost = 256;  // beams at once
+  std::array<const float*, kMost> rows;
+  for (Eigen::Index first = 0; first < measured.size(); first += kMost) {
+    const int count = static_cast<int>(std::min<Eigen::Index>(kMost, measured.size() - first));
+    for (int k = 0; k < count; ++k) {
+      rows[k] = log_table_.col(pixelOf(scale, measured[first + k])).data();
     }
-    log_likelihood[i] = squash_ * static_cast<double>(sum);
+    runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+      alignas(64) std::array<int, kMost> pixels;
+      for (Eigen::Index i = 0; i < expected.cols(); ++i) {
+        const float* const ranges = expected.data() + i * expected.outerStride() + first;
+        for (int k = 0; k < count; ++k) pixels[k] = pixelOf(scale, ranges[k]);
+        log_likelihood[i] +=
+            squash_ * static_cast<double>(sumOf(rows.data(), pixels.data(), count));
+      }
+    });
   }
 }
 

@@ -1,12 +1,15 @@
 #include "racecar_mcl/likelihood_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <sstream>
 
 #include "racecar_mcl/distance_field.h"
 #include "racecar_mcl/errors.h"
+#include "vector_math.h"
 
 namespace racecar_mcl {
 namespace {
@@ -85,6 +88,78 @@ std::vector<std::uint8_t> insideThickWalls(const Obstacles& obstacles, double re
     inside[i] = obstacles.all[i] != 0 && to_core[i] < 1.5f * half ? 1 : 0;
   }
   return inside;
+}
+
+/// The field as the inner loops see it.
+struct FieldView {
+  const float* values;
+  int width;
+  int height;
+  float outside;  ///< the value beyond the field
+};
+
+/// Some beams' end points, in cells, seen from the lidar.
+struct EndPoints {
+  static constexpr int kMost = 256;
+  int count = 0;
+  alignas(64) std::array<float, kMost> x, y;
+};
+
+/// Where the lidar is, counted from the centre of the field's first cell, and its direction.
+struct SinglePose {
+  float column, row;  ///< cells
+  float cosine, sine;
+};
+
+/// The field, interpolated, summed over the end points seen from a pose. Three loops, for the
+/// middle one, which fetches, cannot be vectorised. NaN counts as outside.
+RACECAR_MCL_INLINE float sumAt(const FieldView& field, const SinglePose& pose,
+                               const EndPoints& ends) {
+  alignas(64) std::array<float, EndPoints::kMost> across, up, value;
+  alignas(64) std::array<int, EndPoints::kMost> cell;
+  alignas(64) std::array<std::uint32_t, EndPoints::kMost> is_inside;
+  alignas(64) std::array<float, 4 * EndPoints::kMost> corners;
+  const int count = ends.count;
+  const auto last_column = static_cast<float>(field.width - 1);
+  const auto last_row = static_cast<float>(field.height - 1);
+  const int cells_per_row = field.width;
+  for (int k = 0; k < count; ++k) {
+    const float column = pose.column + pose.cosine * ends.x[k] - pose.sine * ends.y[k];
+    const float row = pose.row + pose.sine * ends.x[k] + pose.cosine * ends.y[k];
+    const bool inside =
+        (column >= 0.0F) & (row >= 0.0F) & (column < last_column) & (row < last_row);
+    const float held_column = inside ? column : 0.0F;
+    const float held_row = inside ? row : 0.0F;
+    const int left = static_cast<int>(held_column);
+    const int below = static_cast<int>(held_row);
+    across[k] = held_column - static_cast<float>(left);
+    up[k] = held_row - static_cast<float>(below);
+    cell[k] = below * cells_per_row + left;
+    is_inside[k] = inside ? 1U : 0U;
+  }
+  for (int k = 0; k < count; ++k) {
+    const float* lower = field.values + cell[k];
+    std::memcpy(&corners[4 * k], lower, 2 * sizeof(float));
+    std::memcpy(&corners[4 * k + 2], lower + cells_per_row, 2 * sizeof(float));
+  }
+  for (int k = 0; k < count; ++k) {
+    const float lower = corners[4 * k] + across[k] * (corners[4 * k + 1] - corners[4 * k]);
+    const float upper = corners[4 * k + 2] + across[k] * (corners[4 * k + 3] - corners[4 * k + 2]);
+    const float inside = lower + up[k] * (upper - lower);
+    value[k] = is_inside[k] != 0 ? inside : field.outside;
+  }
+  // Sixteen sums side by side, in the same order with every instruction set.
+  constexpr int kLanes = 16;
+  alignas(64) std::array<float, kLanes> lanes = {};
+  int k = 0;
+  for (; k + kLanes <= count; k += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] += value[k + lane];
+  }
+  for (int lane = 0; k < count; ++k, ++lane) lanes[lane] += value[k];
+  for (int width = kLanes / 2; width > 0; width /= 2) {
+    for (int lane = 0; lane < width; ++lane) lanes[lane] += lanes[lane + width];
+  }
+  return lanes[0];
 }
 
 }  // namespace
@@ -172,28 +247,30 @@ float LikelihoodField::at(float column, float row) const {
 
 void LikelihoodField::logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
                                     Eigen::Ref<Eigen::ArrayXd> log_likelihood) const {
+  log_likelihood.setZero();
+  const FieldView field{log_field_.data(), geometry_.width, geometry_.height, log_rand_};
   // End points in cells, seen from the lidar; each pose then only turns and shifts them.
   const auto cells_per_metre = static_cast<float>(1.0 / geometry_.resolution);
-  std::vector<float> end_x, end_y;
-  end_x.reserve(static_cast<std::size_t>(beams.size()));
-  end_y.reserve(static_cast<std::size_t>(beams.size()));
-  for (Eigen::Index k = 0; k < beams.size(); ++k) {
-    if (!(beams.ranges[k] < max_range_)) continue;
-    end_x.push_back(beams.ranges[k] * std::cos(beams.bearings[k]) * cells_per_metre);
-    end_y.push_back(beams.ranges[k] * std::sin(beams.bearings[k]) * cells_per_metre);
-  }
-  for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
-    const Eigen::Vector2d origin = worldToGrid(geometry_, {lidar_in_map.x[i], lidar_in_map.y[i]});
-    const double yaw = lidar_in_map.yaw[i] - geometry_.origin.yaw;
-    const auto c = static_cast<float>(std::cos(yaw));
-    const auto s = static_cast<float>(std::sin(yaw));
-    const auto column = static_cast<float>(origin.x() - 0.5);
-    const auto row = static_cast<float>(origin.y() - 0.5);
-    float sum = 0.0f;
-    for (std::size_t k = 0; k < end_x.size(); ++k) {
-      sum += at(column + c * end_x[k] - s * end_y[k], row + s * end_x[k] + c * end_y[k]);
+  EndPoints ends;
+  for (Eigen::Index k = 0; k < beams.size();) {
+    for (ends.count = 0; k < beams.size() && ends.count < EndPoints::kMost; ++k) {
+      if (!(beams.ranges[k] < max_range_)) continue;
+      ends.x[ends.count] = beams.ranges[k] * std::cos(beams.bearings[k]) * cells_per_metre;
+      ends.y[ends.count] = beams.ranges[k] * std::sin(beams.bearings[k]) * cells_per_metre;
+      ++ends.count;
     }
-    log_likelihood[i] = static_cast<double>(squash_ * sum);
+    runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+      for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
+        const Eigen::Vector2d origin =
+            worldToGrid(geometry_, {lidar_in_map.x[i], lidar_in_map.y[i]});
+        double sine, cosine;
+        sinCos(lidar_in_map.yaw[i] - geometry_.origin.yaw, &sine, &cosine);
+        const SinglePose pose{static_cast<float>(origin.x() - 0.5),
+                              static_cast<float>(origin.y() - 0.5), static_cast<float>(cosine),
+                              static_cast<float>(sine)};
+        log_likelihood[i] += static_cast<double>(squash_ * sumAt(field, pose, ends));
+      }
+    });
   }
 }
 

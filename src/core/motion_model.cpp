@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "noise_lanes.h"
 #include "racecar_mcl/errors.h"
 
 namespace racecar_mcl {
@@ -71,6 +72,44 @@ Eigen::Matrix3d ackermannNoise(const MotionModelParameters& p, const Motion& mot
   return covariance;
 }
 
+/// One motion for all particles.
+struct Step {
+  Pose2 delta;
+  Eigen::Matrix3d root;  ///< of the noise's covariance; zero = no noise
+  std::uint64_t noise_seed;
+};
+
+RACECAR_MCL_INLINE void moveAll(const Step& step, int size, double* __restrict x,
+                                double* __restrict y, double* __restrict yaw) {
+  constexpr int kBlock = 256;
+  static_assert(kBlock % NoiseLanes::kBatch == 0, "whole batches are drawn");
+  alignas(64) double a[kBlock] = {}, b[kBlock] = {}, d[kBlock] = {};
+  NoiseLanes random(step.noise_seed);
+  const bool noisy = !step.root.isZero(0.0);
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> by_rows = step.root;
+  const double* const root = by_rows.data();
+  for (int first = 0; first < size; first += kBlock) {
+    const int count = std::min(kBlock, size - first);
+    if (noisy) {
+      const int drawn = (count + NoiseLanes::kBatch - 1) / NoiseLanes::kBatch * NoiseLanes::kBatch;
+      random.fillGaussian(a, drawn);
+      random.fillGaussian(b, drawn);
+      random.fillGaussian(d, drawn);
+    }
+    for (int k = 0; k < count; ++k) {
+      const int i = first + k;
+      const double along = step.delta.x + (root[0] * a[k] + root[1] * b[k] + root[2] * d[k]);
+      const double across = step.delta.y + (root[3] * a[k] + root[4] * b[k] + root[5] * d[k]);
+      const double turn = step.delta.yaw + (root[6] * a[k] + root[7] * b[k] + root[8] * d[k]);
+      double sine, cosine;
+      sinCos(yaw[i], &sine, &cosine);
+      x[i] += cosine * along - sine * across;
+      y[i] += sine * along + cosine * across;
+      yaw[i] = wrapAngleFast(yaw[i] + turn);
+    }
+  }
+}
+
 }  // namespace
 
 void validate(const MotionModelParameters& p) {
@@ -117,27 +156,20 @@ Eigen::Matrix3d motionCovariance(const MotionModelParameters& parameters, const 
 void moveParticles(const MotionModelParameters& parameters, const Motion& motion, Random& random,
                    ParticleSet* particles) {
   const Eigen::Matrix3d covariance = motionCovariance(parameters, motion);
-  const bool noisy = !covariance.isZero(0.0);
-  // LDLT stands a covariance of less than full rank, as of a car that only turned.
-  const Eigen::LDLT<Eigen::Matrix3d> factors(covariance);
-  const Eigen::Matrix3d root =
-      factors.transpositionsP().transpose() *
-      Eigen::Matrix3d(factors.matrixL() *
-                      Eigen::Matrix3d(factors.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal()));
-  for (Eigen::Index i = 0; i < particles->size(); ++i) {
-    const double c = std::cos(particles->yaw[i]);
-    const double s = std::sin(particles->yaw[i]);
-    Eigen::Vector3d step(motion.delta.x, motion.delta.y, motion.delta.yaw);
-    if (noisy) {
-      const double a = random.gaussian();
-      const double b = random.gaussian();
-      const double d = random.gaussian();
-      step += root * Eigen::Vector3d(a, b, d);
-    }
-    particles->x[i] += c * step.x() - s * step.y();
-    particles->y[i] += s * step.x() + c * step.y();
-    particles->yaw[i] = wrapAngle(particles->yaw[i] + step.z());
+  Step step{motion.delta, Eigen::Matrix3d::Zero(), 0};
+  if (!covariance.isZero(0.0)) {
+    // LDLT stands a covariance of less than full rank, as of a car that only turned.
+    const Eigen::LDLT<Eigen::Matrix3d> factors(covariance);
+    step.root =
+        factors.transpositionsP().transpose() *
+        Eigen::Matrix3d(factors.matrixL() *
+                        Eigen::Matrix3d(factors.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal()));
+    step.noise_seed = random();
   }
+  runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+    moveAll(step, static_cast<int>(particles->size()), particles->x.data(), particles->y.data(),
+            particles->yaw.data());
+  });
 }
 
 }  // namespace racecar_mcl

@@ -54,6 +54,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("initial_sigma", p.filter.initial_sigma);
   visit("settling_updates", p.filter.settling_updates);
   visit("news_distance", p.filter.news_distance);
+  visit("num_threads", p.filter.num_threads);
 
   visit("motion_model", p.motion.motion_model);
   visit("deterministic", p.motion.deterministic);

@@ -14,9 +14,6 @@
 namespace racecar_mcl {
 namespace {
 
-// Particles cast and weighed together: their ranges stay in the first-level cache.
-constexpr Eigen::Index kChunk = 64;
-
 // While the set converges, a scan leaves at least this share of it alive: the place that fits best
 // at first sight is often the wrong one.
 constexpr double kConvergingSurvivors = 0.05;
@@ -30,24 +27,6 @@ constexpr double kBetterBy = 0.3;
 
 // No start is farther away or wider than this, m: beyond it, squares lose their digits.
 constexpr double kFarthest = 1e7;
-
-Eigen::ArrayXd logLikelihoods(MapModel* map, const ParticleSet& particles, const Scan& beams) {
-  const LidarPoses lidars = lidarPoses(particles, beams.laser_in_base);
-  Eigen::ArrayXd log_likelihoods(particles.size());
-  if (map->likelihood_field) {
-    map->likelihood_field->logLikelihood(lidars.batch(), beams, log_likelihoods);
-    return log_likelihoods;
-  }
-  map->caster->prepare(lidars.batch(), beams.bearings);
-  Eigen::ArrayXXf ranges(beams.size(), kChunk);
-  for (Eigen::Index first = 0; first < particles.size(); first += kChunk) {
-    const Eigen::Index count = std::min(kChunk, particles.size() - first);
-    map->caster->cast(lidars.batch().segment(first, count), beams.bearings, ranges.leftCols(count));
-    map->beam_model.logLikelihood(beams.ranges, ranges.leftCols(count),
-                                  log_likelihoods.segment(first, count));
-  }
-  return log_likelihoods;
-}
 
 /// A square root of a covariance; throws where the matrix is none.
 Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
@@ -91,6 +70,8 @@ void validate(const ParticleFilterParameters& p) {
     problem << "news_distance is " << p.news_distance << " m; it must lie in (0, 1000]";
   } else if (p.settling_updates < 0) {
     problem << "settling_updates is " << p.settling_updates << "; it must not be negative";
+  } else if (p.num_threads < 0 || p.num_threads > 1024) {
+    problem << "num_threads is " << p.num_threads << "; it must lie in [0, 1024]";
   }
   if (!problem.str().empty()) throw ParameterError(problem.str());
 }
@@ -134,8 +115,10 @@ std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameter
 
 ParticleFilter::ParticleFilter(const ParticleFilterParameters& parameters,
                                const MotionModelParameters& motion, std::uint64_t seed)
-    : parameters_(parameters), motion_parameters_(motion), random_(seed) {
-  validate(parameters_);
+    : parameters_((validate(parameters), parameters)),
+      motion_parameters_(motion),
+      random_(seed),
+      weigher_(parameters.num_threads) {
   validate(motion_parameters_);
 }
 
@@ -193,7 +176,7 @@ UpdateResult ParticleFilter::initializeGlobally(const MapModel& map, const Scan&
   UpdateResult result;
   result.beams = static_cast<int>(beams.size());
   result.particles = static_cast<int>(particles_.size());
-  result.effective_sample_size = effectiveSampleSize(particles_.log_weight);
+  result.effective_sample_size = effectiveSampleSize(weightsOf(particles_));
   result.converging = true;
   result.clusters = findClusters(particles_);
   result.estimate = estimate();
@@ -234,18 +217,20 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   result.beams = static_cast<int>(beams.size());
   result.particles = static_cast<int>(particles_.size());
 
-  const Eigen::ArrayXd before = particles_.log_weight;
-  particles_.log_weight += judge(map, beams);
-  result.log_likelihood = normalizeLogWeights(&particles_.log_weight);
-  if (!std::isfinite(result.log_likelihood)) {
-    particles_.log_weight = before;
-    result.weights_vanished = true;
+  Eigen::ArrayXd& log_weights = judge(map, beams);
+  log_weights += particles_.log_weight;
+  result.log_likelihood = normalizeLogWeights(&log_weights, &weights_);
+  result.weights_vanished = !std::isfinite(result.log_likelihood);
+  if (result.weights_vanished) {
+    weights_ = weightsOf(particles_);
+  } else {
+    particles_.log_weight.swap(log_weights);
   }
 
-  result.effective_sample_size = effectiveSampleSize(particles_.log_weight);
+  result.effective_sample_size = effectiveSampleSize(weights_);
   result.converging = converging_;
-  result.clusters = findClusters(particles_);
-  result.estimate = estimate();
+  result.clusters = findClusters(particles_, weights_);
+  result.estimate = estimatePose(particles_, weights_, estimateFrom());
   if (converging_) settleOn(result.clusters);
   const double threshold = parameters_.resample_threshold * static_cast<double>(particles_.size());
   if (result.effective_sample_size <= threshold && !result.weights_vanished) {
@@ -255,28 +240,30 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   return result;
 }
 
-Eigen::ArrayXd ParticleFilter::judge(MapModel* map, const Scan& beams) const {
-  if (!converging_) return logLikelihoods(map, particles_, beams);
-  Eigen::ArrayXd log_likelihoods(particles_.size());
-  const LidarPoses lidars = lidarPoses(particles_, beams.laser_in_base);
-  map->search.field().logLikelihood(lidars.batch(), beams, log_likelihoods);
+Eigen::ArrayXd& ParticleFilter::judge(MapModel* map, const Scan& beams) {
+  if (!converging_) return weigher_.weigh(map, particles_, beams);
+  Eigen::ArrayXd& log_likelihoods = weigher_.weigh(map->search.field(), particles_, beams);
   log_likelihoods *= news_;
   const double survivors = kConvergingSurvivors * static_cast<double>(particles_.size());
-  return temperingExponent(particles_.log_weight, log_likelihoods, survivors) * log_likelihoods;
+  log_likelihoods *= temperingExponent(particles_.log_weight, log_likelihoods, survivors);
+  return log_likelihoods;
 }
 
 void ParticleFilter::settleOn(const std::vector<Cluster>& clusters) {
   const std::optional<Pose2> place = onlyPlace(clusters);
   if (!place) return;
   keepNear(*place, &particles_);
+  weights_ = weightsOf(particles_);
   converging_ = false;
 }
 
-PoseEstimate ParticleFilter::estimate() const {
+EstimateFrom ParticleFilter::estimateFrom() const {
   // The mean of several places is none of them.
   const bool between_places = converging_ && parameters_.estimate == EstimateFrom::kMean;
-  return estimatePose(particles_, between_places ? EstimateFrom::kCluster : parameters_.estimate);
+  return between_places ? EstimateFrom::kCluster : parameters_.estimate;
 }
+
+PoseEstimate ParticleFilter::estimate() const { return estimatePose(particles_, estimateFrom()); }
 
 Eigen::Index ParticleFilter::nextSize() const {
   if (particles_.size() <= parameters_.num_particles) return parameters_.num_particles;
@@ -288,11 +275,12 @@ Eigen::Index ParticleFilter::nextSize() const {
 }
 
 void ParticleFilter::resampleAndSettle() {
-  ParticleSet drawn = resample(particles_, particles_.size(), parameters_.resampling, random_);
-  std::swap(particles_, drawn);
+  drawn_.resize(particles_.size());
+  resample(particles_, weights_, parameters_.resampling, random_, &drawn_);
+  std::swap(particles_, drawn_);
   const Eigen::Index size = nextSize();
   if (size < particles_.size()) {
-    particles_ = resample(drawn, size, parameters_.resampling, random_);
+    particles_ = resample(drawn_, size, parameters_.resampling, random_);
   }
   if (settling_updates_left_ == 0) return;
   --settling_updates_left_;

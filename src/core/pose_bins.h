@@ -58,4 +58,8 @@ inline BinnedParticles groupByBin(const ParticleSet& particles, const PoseBins& 
   return groups;
 }
 
+/// Whether all particles lie in bins that touch, across edges and corners. Allocates nothing.
+/// False, too, for sets wider than some 60 bins, and bins of more than 32 yaws.
+bool lieInOnePlace(const ParticleSet& particles, const PoseBins& bins);
+
 }  // namespace racecar_mcl

@@ -3,63 +3,132 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
 #include "pose_bins.h"
+#include "vector_math.h"
 
 namespace racecar_mcl {
 
-double normalizeLogWeights(Eigen::ArrayXd* log_weights) {
+namespace {
+
+constexpr int kBlock = 256;
+
+RACECAR_MCL_INLINE double largestOf(const double* values, int size) {
+  constexpr int kLanes = 8;
+  double lanes[kLanes];
+  std::fill(lanes, lanes + kLanes, -std::numeric_limits<double>::infinity());
+  int i = 0;
+  for (; i + kLanes <= size; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      lanes[lane] = values[i + lane] > lanes[lane] ? values[i + lane] : lanes[lane];
+    }
+  }
+  for (; i < size; ++i) lanes[0] = values[i] > lanes[0] ? values[i] : lanes[0];
+  return *std::max_element(lanes, lanes + kLanes);
+}
+
+/// weights = exp(log_weights - largest), and their sum; NaN where a log weight is.
+RACECAR_MCL_INLINE double exponentials(const double* __restrict log_weights, double largest,
+                                       int size, double* __restrict weights) {
+  LaneSum sum;
+  for (int first = 0; first < size; first += kBlock) {
+    const int count = std::min(kBlock, size - first);
+    for (int i = first; i < first + count; ++i) {
+      weights[i] = expOfNegative(log_weights[i] - largest);
+    }
+    sum.add(weights + first, count);
+  }
+  return sum.total();
+}
+
+void drawSystematically(const ParticleSet& particles, const Eigen::ArrayXd& weights, double sum,
+                        double last_pointer, double offset, ParticleSet* drawn) {
+  const double step = sum / static_cast<double>(drawn->size());
+  Eigen::Index source = 0;
+  double cumulative = weights[0];
+  for (Eigen::Index k = 0; k < drawn->size(); ++k) {
+    const double pointer = std::min((static_cast<double>(k) + offset) * step, last_pointer);
+    while (cumulative <= pointer) cumulative += weights[++source];
+    drawn->setPose(k, particles.pose(source));
+  }
+}
+
+void drawIndependently(const ParticleSet& particles, const Eigen::ArrayXd& weights, double sum,
+                       double last_pointer, Random& random, ParticleSet* drawn) {
+  Eigen::ArrayXd cumulative(weights.size());
+  std::partial_sum(weights.data(), weights.data() + weights.size(), cumulative.data());
+  const double* begin = cumulative.data();
+  for (Eigen::Index k = 0; k < drawn->size(); ++k) {
+    const double pointer = std::min(random.uniform() * sum, last_pointer);
+    const double* found = std::upper_bound(begin, begin + cumulative.size(), pointer);
+    drawn->setPose(k, particles.pose(found - begin));
+  }
+}
+
+}  // namespace
+
+double normalizeLogWeights(Eigen::ArrayXd* log_weights, Eigen::ArrayXd* weights) {
   constexpr double kNothing = -std::numeric_limits<double>::infinity();
-  if (log_weights->size() == 0) return kNothing;
-  // A NaN compares false with everything, so it is looked for by itself.
-  const double largest = log_weights->maxCoeff();
-  if (!std::isfinite(largest) || log_weights->isNaN().any()) return kNothing;
-  const double log_sum = largest + std::log((*log_weights - largest).exp().sum());
+  const int size = static_cast<int>(log_weights->size());
+  weights->resize(size);
+  double largest = kNothing;
+  double sum = 0.0;
+  runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+    largest = largestOf(log_weights->data(), size);
+    if (std::isfinite(largest)) {
+      sum = exponentials(log_weights->data(), largest, size, weights->data());
+    }
+  });
+  if (!(sum > 0.0)) return kNothing;
+  const double log_sum = largest + std::log(sum);
   *log_weights -= log_sum;
+  *weights *= 1.0 / sum;
   return log_sum;
 }
 
-double effectiveSampleSize(const Eigen::ArrayXd& log_weights) {
-  if (log_weights.size() == 0) return 0.0;
+double normalizeLogWeights(Eigen::ArrayXd* log_weights) {
+  Eigen::ArrayXd weights;
+  return normalizeLogWeights(log_weights, &weights);
+}
+
+Eigen::ArrayXd weightsOf(const ParticleSet& particles) {
+  // Eigen's own makes a little more than nothing of nothing's logarithm.
+  return particles.log_weight.unaryExpr([](double value) { return std::exp(value); });
+}
+
+double effectiveSampleSize(const Eigen::ArrayXd& weights) {
+  if (weights.size() == 0) return 0.0;
   // Rounding must not lift a uniform set above its own size.
-  return std::min(static_cast<double>(log_weights.size()), 1.0 / (2.0 * log_weights).exp().sum());
+  return std::min(static_cast<double>(weights.size()), 1.0 / weights.square().sum());
+}
+
+void resample(const ParticleSet& particles, const Eigen::ArrayXd& weights, ResamplingMethod method,
+              Random& random, ParticleSet* drawn) {
+  const Eigen::Index count = drawn->size();
+  drawn->log_weight.setConstant(-std::log(static_cast<double>(count)));
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < weights.size(); ++i) sum += weights[i];
+  if (!(sum > 0.0 && std::isfinite(sum))) {
+    throw std::invalid_argument("nothing can be drawn from " + std::to_string(particles.size()) +
+                                " particles whose weights sum to " + std::to_string(sum));
+  }
+  // Rounding must not carry a pointer past the last particle that has a weight.
+  const double last_pointer = std::nextafter(sum, 0.0);
+  if (method == ResamplingMethod::kSystematic) {
+    drawSystematically(particles, weights, sum, last_pointer, random.uniform(), drawn);
+  } else {
+    drawIndependently(particles, weights, sum, last_pointer, random, drawn);
+  }
 }
 
 ParticleSet resample(const ParticleSet& particles, Eigen::Index count, ResamplingMethod method,
                      Random& random) {
   ParticleSet drawn;
   drawn.resize(count);
-  drawn.log_weight.setConstant(-std::log(static_cast<double>(count)));
-
-  Eigen::ArrayXd cumulative(particles.size());
-  double sum = 0.0;
-  for (Eigen::Index i = 0; i < particles.size(); ++i) {
-    sum += std::exp(particles.log_weight[i]);
-    cumulative[i] = sum;
-  }
-  if (!(sum > 0.0 && std::isfinite(sum))) {
-    throw std::invalid_argument("nothing can be drawn from " + std::to_string(particles.size()) +
-                                " particles whose weights sum to " + std::to_string(sum));
-  }
-  const double step = sum / static_cast<double>(count);
-  // Rounding must not carry a pointer past the last particle that has a weight.
-  const double last_pointer = std::nextafter(sum, 0.0);
-  const double offset = random.uniform();
-  Eigen::Index source = 0;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    if (method == ResamplingMethod::kSystematic) {
-      const double pointer = std::min((static_cast<double>(k) + offset) * step, last_pointer);
-      while (cumulative[source] <= pointer) ++source;
-    } else {
-      const double pointer = std::min(random.uniform() * sum, last_pointer);
-      const double* begin = cumulative.data();
-      const double* found = std::upper_bound(begin, begin + cumulative.size(), pointer);
-      source = found - begin;
-    }
-    drawn.setPose(k, particles.pose(source));
-  }
+  resample(particles, weightsOf(particles), method, random, &drawn);
   return drawn;
 }
 

@@ -74,17 +74,17 @@ TEST(NormalizeLogWeights, SaysSoWhereNothingIsLeft) {
 }
 
 TEST(EffectiveSampleSize, RunsFromOneToAll) {
-  EXPECT_NEAR(effectiveSampleSize(weighted({1.0, 0.0, 0.0}).log_weight), 1.0, 1e-12);
-  EXPECT_NEAR(effectiveSampleSize(weighted({0.5, 0.5, 0.0}).log_weight), 2.0, 1e-12);
-  EXPECT_NEAR(effectiveSampleSize(weighted({0.7, 0.2, 0.1}).log_weight), 1.0 / 0.54, 1e-12);
+  EXPECT_NEAR(effectiveSampleSize(weighted({1.0, 0.0, 0.0}).log_weight.exp()), 1.0, 1e-12);
+  EXPECT_NEAR(effectiveSampleSize(weighted({0.5, 0.5, 0.0}).log_weight.exp()), 2.0, 1e-12);
+  EXPECT_NEAR(effectiveSampleSize(weighted({0.7, 0.2, 0.1}).log_weight.exp()), 1.0 / 0.54, 1e-12);
   EXPECT_EQ(effectiveSampleSize(Eigen::ArrayXd(0)), 0.0);
 }
 
 TEST(EffectiveSampleSize, NeverExceedsTheSetByRounding) {
   for (int count = 1; count < 3000; ++count) {
     const Eigen::ArrayXd logs = Eigen::ArrayXd::Constant(count, -std::log(count));
-    EXPECT_LE(effectiveSampleSize(logs), count);
-    EXPECT_NEAR(effectiveSampleSize(logs), count, 1e-8);
+    EXPECT_LE(effectiveSampleSize(logs.exp()), count);
+    EXPECT_NEAR(effectiveSampleSize(logs.exp()), count, 1e-8);
   }
 }
 

@@ -14,7 +14,7 @@ double sampleSizeAfter(Eigen::ArrayXd log_weights, const Eigen::ArrayXd& log_lik
                        double exponent) {
   log_weights += exponent * log_likelihoods;
   normalizeLogWeights(&log_weights);
-  return effectiveSampleSize(log_weights);
+  return effectiveSampleSize(log_weights.exp());
 }
 
 TEST(TemperingExponent, LeavesTheWantedSampleSize) {

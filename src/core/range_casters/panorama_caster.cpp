@@ -37,8 +37,9 @@ struct BeamTurns {
 };
 
 /// The look-ups of one pose. Three loops, for the middle one cannot be vectorised.
-void lookUp(const std::uint16_t* panorama, int directions, float heading, const BeamTurns& beams,
-            float metres_per_code, float max_range, float* ranges) {
+RACECAR_MCL_INLINE void lookUp(const std::uint16_t* panorama, int directions, float heading,
+                               const BeamTurns& beams, float metres_per_code, float max_range,
+                               float* ranges) {
   std::array<int, BeamTurns::kMost> code;
   const int size = beams.size;
   for (int k = 0; k < size; ++k) {
@@ -180,10 +181,12 @@ void PanoramaCaster::cast(const PoseBatch& lidar_in_map, const Eigen::ArrayXf& b
                         bearings, ranges);
     for (Eigen::Index from = 0; from < bearings.size(); from += BeamTurns::kMost) {
       const BeamTurns beams(bearings, from, directions_);
-      for (std::size_t i = 0; i < remembered_count; ++i) {
-        lookUp(panorama[i], directions_, heading[i], beams, metres_per_code_, max_range,
-               &ranges(from, remembered[i]));
-      }
+      runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+        for (std::size_t i = 0; i < remembered_count; ++i) {
+          lookUp(panorama[i], directions_, heading[i], beams, metres_per_code_, max_range,
+                 &ranges(from, remembered[i]));
+        }
+      });
     }
   }
   for (Eigen::Index k = 0; k < bearings.size(); ++k) {

@@ -21,9 +21,6 @@
 
 #include "range_casters/beam_directions.h"
 
-// Inlined into one function per instruction set, and compiled anew there.
-#define RACECAR_MCL_INLINE inline __attribute__((always_inline))
-
 namespace racecar_mcl {
 namespace {
 
@@ -263,46 +260,7 @@ RACECAR_MCL_INLINE bool marchAll(const MarchOrder& order) {
   return all_in_map;
 }
 
-bool marchPortable(const MarchOrder& order) { return marchAll(order); }
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define RACECAR_MCL_X86 1
-#if defined(__clang__)
-#define RACECAR_MCL_WIDE
-#else
-#define RACECAR_MCL_WIDE ",prefer-vector-width=512"
-#endif
-__attribute__((target("avx2"))) bool marchAvx2(const MarchOrder& order) { return marchAll(order); }
-__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl" RACECAR_MCL_WIDE))) bool marchAvx512(
-    const MarchOrder& order) {
-  return marchAll(order);
-}
-#endif
-
 }  // namespace
-
-std::vector<InstructionSet> availableInstructionSets() {
-  std::vector<InstructionSet> sets = {InstructionSet::kPortable};
-#ifdef RACECAR_MCL_X86
-  if (__builtin_cpu_supports("avx2")) sets.push_back(InstructionSet::kAvx2);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
-    sets.push_back(InstructionSet::kAvx512);
-  }
-#endif
-  return sets;
-}
-
-const char* nameOf(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::kAvx2:
-      return "avx2";
-    case InstructionSet::kAvx512:
-      return "avx512";
-    default:
-      return "portable";
-  }
-}
 
 bool marchServes(const PaddedGrid& grid, double limit) {
   const double farthest_corner = (limit + 3.0) * (grid.width() + 1.0);
@@ -311,16 +269,9 @@ bool marchServes(const PaddedGrid& grid, double limit) {
 }
 
 bool march(InstructionSet set, const MarchOrder& order) {
-  switch (set) {
-#ifdef RACECAR_MCL_X86
-    case InstructionSet::kAvx512:
-      return marchAvx512(order);
-    case InstructionSet::kAvx2:
-      return marchAvx2(order);
-#endif
-    default:
-      return marchPortable(order);
-  }
+  bool all_in_map = true;
+  runWith(set, [&]() RACECAR_MCL_INLINE_LAMBDA { all_in_map = marchAll(order); });
+  return all_in_map;
 }
 
 }  // namespace racecar_mcl

@@ -1,20 +1,12 @@
 // Many rays at once: the inner loop of SimdCaster, compiled once per instruction set.
 #pragma once
 
-#include <vector>
-
+#include "instruction_set.h"
 #include "racecar_mcl/range_caster.h"
 #include "range_casters/clearance_field.h"
 #include "range_casters/padded_grid.h"
 
 namespace racecar_mcl {
-
-enum class InstructionSet { kPortable, kAvx2, kAvx512 };
-
-/// Those this program was built for and this processor has, the fastest last.
-std::vector<InstructionSet> availableInstructionSets();
-
-const char* nameOf(InstructionSet set);
 
 /// The poses of a batch that are to be cast: all, or `count` listed ones.
 struct PoseSelection {

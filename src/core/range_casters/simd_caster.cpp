@@ -7,7 +7,7 @@
 
 namespace racecar_mcl {
 SimdCaster::SimdCaster(const OccupancyGrid& grid, const RangeCasterParameters& parameters)
-    : SimdCaster(grid, parameters, availableInstructionSets().back()) {}
+    : SimdCaster(grid, parameters, fastestInstructionSet()) {}
 
 SimdCaster::SimdCaster(const OccupancyGrid& grid, const RangeCasterParameters& parameters,
                        InstructionSet instruction_set)
