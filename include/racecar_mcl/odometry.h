@@ -12,7 +12,7 @@ namespace racecar_mcl {
 struct OdometrySample {
   double stamp = 0.0;  ///< s
   Twist2 twist;        ///< in the base frame
-  Pose2 base_in_odom;  ///< used only when motion is taken from poses
+  Pose2 base_in_odom;  ///< used where motion is taken from poses or tf
 };
 
 /// The car's motion over some time, as dead reckoning knows it.
@@ -36,7 +36,11 @@ struct OdometryState {
 
 Motion motionBetween(const OdometryState& earlier, const OdometryState& later);
 
-enum class MotionFrom { kTwist, kPose };
+enum class MotionFrom {
+  kTwist,
+  kPose,
+  kTf,  ///< differences of poses too, which the driver takes from tf instead of from messages
+};
 
 struct OdometryParameters {
   MotionFrom motion_from = MotionFrom::kTwist;

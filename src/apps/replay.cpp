@@ -53,6 +53,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::string scan_topic = "/scan";
   std::string odom_topic = "/vesc/odom";
+  std::string odom_frame = "odom";
   std::string base_frame = "base_link";
   std::string laser_pose;
   std::string motion_from;
@@ -81,11 +82,14 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--seed", o->seed, "of every random number")->capture_default_str();
   app->add_option("--scan-topic", o->scan_topic, "sensor_msgs/LaserScan")->capture_default_str();
   app->add_option("--odom-topic", o->odom_topic, "nav_msgs/Odometry")->capture_default_str();
+  app->add_option("--odom-frame", o->odom_frame, "with --motion-from tf, the odometry's frame")
+      ->capture_default_str();
   app->add_option("--base-frame", o->base_frame, "the frame that is localized")
       ->capture_default_str();
   app->add_option("--laser-pose", o->laser_pose,
                   "\"x y yaw\" of the lidar on the car, instead of the bag's tf");
-  app->add_option("--motion-from", o->motion_from, "twist or pose: what of odometry is believed");
+  app->add_option("--motion-from", o->motion_from,
+                  "twist, pose or tf: what odometry is taken from");
   app->add_option("--max-gap", o->max_gap,
                   "s; no error is taken where estimates lie further apart than this")
       ->capture_default_str();
@@ -183,19 +187,24 @@ void replay(const Options& o) {
 
   const BagReader bags(o.bags);
   bags.requireTopic(o.scan_topic, "sensor_msgs/LaserScan", "--scan-topic");
-  bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
+  const bool from_tf = parameters.odometry.motion_from == MotionFrom::kTf;
+  if (!from_tf) bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
   const std::optional<Trajectory> truth = readTruth(o, bags);
 
   ReplayInput input;
   input.scan_topic = o.scan_topic;
   input.odometry_topic = o.odom_topic;
+  if (from_tf) {
+    input.odometry_from_tf = {o.odom_frame, o.base_frame, parameters.odometry.clock_jump};
+  }
   input.mount = o.laser_pose.empty() ? bags.laserMount(o.scan_topic, o.base_frame)
                                      : LaserMount{parsePose("--laser-pose", o.laser_pose), false};
   input.start = start(o, truth, &localizer);
 
   std::unique_ptr<ProgressBar> bar;
   if (isatty(STDERR_FILENO) != 0) {
-    bar = std::make_unique<ProgressBar>(bags.count({o.scan_topic, o.odom_topic}), std::cerr, "");
+    bar = std::make_unique<ProgressBar>(bags.count({o.scan_topic, from_tf ? "/tf" : o.odom_topic}),
+                                        std::cerr, "");
   }
   std::vector<ReplayObserver*> observers;
   std::unique_ptr<VideoRecorder> video;

@@ -72,7 +72,7 @@ std::string describe(OdometryOutcome outcome) {
 }
 
 OdometryOutcome OdometryHistory::add(const OdometrySample& sample) {
-  const bool from_pose = parameters_.motion_from == MotionFrom::kPose;
+  const bool from_pose = parameters_.motion_from != MotionFrom::kTwist;
   if (!std::isfinite(sample.stamp) ||
       !(from_pose ? isFinite(sample.base_in_odom) : isFinite(sample.twist))) {
     return OdometryOutcome::kNotFinite;

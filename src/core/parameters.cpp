@@ -40,7 +40,7 @@ std::vector<std::string> wordsOf<SensorModel>() {
 }
 template <>
 std::vector<std::string> wordsOf<MotionFrom>() {
-  return {"twist", "pose"};
+  return {"twist", "pose", "tf"};
 }
 
 /// Calls visit(name, field) for every parameter: the one place where names and fields meet.

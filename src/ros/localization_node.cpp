@@ -34,15 +34,17 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
       last_odometry_arrival_(ros::WallTime::now()),
       output_(node, parameters_),
       laser_mounts_(parameters_),
+      tf_odometry_(parameters_.odom_frame, parameters_.particle_filter_frame,
+                   parameters_.localizer.odometry.clock_jump),
       tf_parent_watch_(node, parameters_) {
   diagnostics_publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
   if (parameters_.initial_pose) start({*parameters_.initial_pose, Eigen::Matrix3d::Zero()});
 
-  subscribers_ = {node_.subscribe("odom", 50, &LocalizationNode::onOdometry, this, lowLatency()),
-                  node_.subscribe("scan", 2, &LocalizationNode::onScan, this, lowLatency()),
+  subscribers_ = {node_.subscribe("scan", 2, &LocalizationNode::onScan, this, lowLatency()),
                   node_.subscribe("map", 1, &LocalizationNode::onMap, this),
                   node_.subscribe("initialpose", 2, &LocalizationNode::onInitialPose, this),
                   node_.subscribe("clicked_point", 2, &LocalizationNode::onClickedPoint, this)};
+  subscribeOdometry();
   services_ = {
       node_.advertiseService("global_localization", &LocalizationNode::onGlobalLocalization, this),
       node_.advertiseService("request_nomotion_update", &LocalizationNode::onNoMotionUpdate, this),
@@ -57,6 +59,28 @@ LocalizationNode::~LocalizationNode() {
   for (ros::ServiceServer& service : services_) service.shutdown();
   map_builder_.stop();
   worker_.stop();
+}
+
+void LocalizationNode::subscribeOdometry() {
+  if (parameters_.localizer.odometry.motion_from != MotionFrom::kTf) {
+    subscribers_.push_back(
+        node_.subscribe("odom", 50, &LocalizationNode::onOdometry, this, lowLatency()));
+    return;
+  }
+  for (const bool is_static : {true, false}) {
+    const boost::function<void(const tf2_msgs::TFMessageConstPtr&)> take =
+        [this, is_static](const tf2_msgs::TFMessageConstPtr& message) {
+          onTransforms(message, is_static);
+        };
+    subscribers_.push_back(node_.subscribe<tf2_msgs::TFMessage>(
+        is_static ? "/tf_static" : "/tf", 100, take, ros::VoidConstPtr(), lowLatency()));
+  }
+}
+
+void LocalizationNode::onTransforms(const tf2_msgs::TFMessageConstPtr& message, bool is_static) {
+  if (const nav_msgs::OdometryConstPtr odometry = tf_odometry_.add(*message, is_static)) {
+    onOdometry(odometry);
+  }
 }
 
 void LocalizationNode::onOdometry(const nav_msgs::OdometryConstPtr& message) {

@@ -32,6 +32,7 @@
 #include "ros/log_limiter.h"
 #include "ros/node_parameters.h"
 #include "ros/task_thread.h"
+#include "ros/tf_odometry.h"
 #include "ros/tf_parent_watch.h"
 
 namespace racecar_mcl {
@@ -50,6 +51,7 @@ class LocalizationNode {
 
   // Callbacks; each only converts and passes on.
   void onOdometry(const nav_msgs::OdometryConstPtr& message);
+  void onTransforms(const tf2_msgs::TFMessageConstPtr& message, bool is_static);
   void onScan(const sensor_msgs::LaserScanConstPtr& message);
   void onMap(const nav_msgs::OccupancyGridConstPtr& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
@@ -67,6 +69,7 @@ class LocalizationNode {
   void startGlobally();
   void restartAfterTimeJump(double stamp);
 
+  void subscribeOdometry();
   void checkOdometryFrames(const nav_msgs::Odometry& message, const OdometrySample& sample);
   std::optional<Scan> readScan(const sensor_msgs::LaserScan& message, LaserMount* mount);
   void waitForOdometry(double stamp);
@@ -101,6 +104,7 @@ class LocalizationNode {
 
   LocalizationOutput output_;
   LaserMounts laser_mounts_;
+  TfOdometry tf_odometry_;
   TfParentWatch tf_parent_watch_;
   LogLimiter log_limiter_;
 

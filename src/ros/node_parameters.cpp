@@ -111,6 +111,7 @@ bool setNodeParameter(const std::string& name, const std::string& text, NodePara
 }
 
 void validate(const NodeParameters& p) {
+  const bool from_tf = p.localizer.odometry.motion_from == MotionFrom::kTf;
   std::ostringstream problem;
   if (p.transform_tolerance < 0.0 || p.transform_tolerance > 1.0) {
     problem << "transform_tolerance is " << p.transform_tolerance << " s; it must lie in [0, 1]";
@@ -120,8 +121,11 @@ void validate(const NodeParameters& p) {
     problem << "diagnostics_rate is " << p.diagnostics_rate << " Hz; it must be positive";
   } else if (p.initial_pose && p.global_start) {
     problem << "initial_pose and global_start are both set; the car starts at one or anywhere";
+  } else if (from_tf && p.tf_mode == TfMode::kMapToBase) {
+    problem << "tf_mode is map_to_base though motion_from is tf: '" << p.particle_filter_frame
+            << "' cannot have two parents; expected map_to_odom or off";
   } else if (p.map_frame == p.particle_filter_frame ||
-             (p.tf_mode == TfMode::kMapToOdom &&
+             ((from_tf || p.tf_mode == TfMode::kMapToOdom) &&
               (p.odom_frame == p.map_frame || p.odom_frame == p.particle_filter_frame))) {
     problem << "map_frame '" << p.map_frame << "', odom_frame '" << p.odom_frame
             << "' and particle_filter_frame '" << p.particle_filter_frame << "' must differ";

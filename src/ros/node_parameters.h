@@ -21,7 +21,7 @@ enum class TfMode {
 struct NodeParameters {
   LocalizerParameters localizer;
   std::string map_frame = "map";
-  std::string odom_frame = "odom";                  ///< for tf_mode map_to_odom
+  std::string odom_frame = "odom";                  ///< for tf_mode map_to_odom and motion_from tf
   std::string particle_filter_frame = "base_link";  ///< the frame that is localized
   TfMode tf_mode = TfMode::kMapToBase;
   double transform_tolerance =

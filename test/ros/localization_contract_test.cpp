@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "racecar_mcl/errors.h"
 #include "support/localization_fixture.h"
 
 namespace racecar_mcl {
@@ -251,6 +252,29 @@ TEST_F(LocalizationMapToOdomTest, PublishesMapToOdomAlone) {
   }
   expectCarAt("base_link");
   EXPECT_EQ(listener_.logged("parent"), 0);
+}
+
+TEST_F(LocalizationMapToOdomTest, TakesOdometryFromTf) {
+  parameters_.setParam("tf_mode", "map_to_odom");
+  parameters_.setParam("motion_from", "tf");
+  odometry_.shutdown();
+  odometry_ = handle_.advertise<nav_msgs::Odometry>("nobody_listens", 1);
+  startLocalized();
+  EXPECT_GT(drive(1.0), 20);
+  expectCarAt("base_link");
+  ASSERT_TRUE(listener_.newestPose());
+  EXPECT_NEAR(listener_.newestPose()->twist.twist.linear.x, 1.0, 1e-6);
+}
+
+TEST_F(LocalizationMapToOdomTest, RefusesOdometryFromTfWhereItWouldGiveTheBaseASecondParent) {
+  parameters_.setParam("motion_from", "tf");
+  try {
+    startNode();
+    ADD_FAILURE() << "no ParameterError was thrown";
+  } catch (const ParameterError& error) {
+    EXPECT_NE(std::string(error.what()).find("expected map_to_odom or off"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_F(LocalizationMapToOdomTest, NamesAnOdometryFrameThatIsNotTheOneItPublishes) {

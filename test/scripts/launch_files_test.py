@@ -120,8 +120,10 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(parameter(config, "/localization/tf_mode"), "map_to_odom")
         self.assertEqual(parameter(config, "/localization/num_particles"), 321)
         self.assertIsNone(parameter(config, "/localization/initial_pose"))
-        config = load("localize.launch", config=mine, tf_mode="off", initial_pose="1 2 3")
+        config = load("localize.launch", config=mine, tf_mode="off", motion_from="tf",
+                      initial_pose="1 2 3")
         self.assertEqual(parameter(config, "/localization/tf_mode"), "off")
+        self.assertEqual(parameter(config, "/localization/motion_from"), "tf")
         self.assertEqual(parameter(config, "/localization/initial_pose"), "1 2 3")
 
     def testReplayTakesTheTfModeThatFitsTheBag(self):

@@ -25,6 +25,7 @@ struct RoomDrive {
   std::string frame_prefix;  ///< "/" for the names old drivers give
   bool transforms = true;
   bool truth = true;
+  bool odometry_as_tf = false;  ///< not as a topic
 };
 
 constexpr double kRoomResolution = 0.05;  // m
@@ -111,7 +112,16 @@ inline void writeRoomBag(const std::string& path, const RoomDrive& drive) {
     odometry.pose.pose = toMessage(integrate({1.0, 0.0, 0.1}, seconds));
     odometry.twist.twist.linear.x = 1.0;
     odometry.twist.twist.angular.z = 0.1;
-    bag.write("/vesc/odom", now, odometry);
+    if (drive.odometry_as_tf) {
+      tf2_msgs::TFMessage message;
+      message.transforms.resize(1);
+      message.transforms[0].header = odometry.header;
+      message.transforms[0].child_frame_id = odometry.child_frame_id;
+      message.transforms[0].transform = toTransform(integrate({1.0, 0.0, 0.1}, seconds));
+      bag.write("/tf", now, message);
+    } else {
+      bag.write("/vesc/odom", now, odometry);
+    }
     if (drive.truth) {
       odometry.header.frame_id = drive.frame_prefix + "map";
       odometry.pose.pose = toMessage(base_in_map);

@@ -157,6 +157,20 @@ TEST_F(Replay, repeatsItselfBitForBitAndFollowsTheSeed) {
   EXPECT_NE(first, readWhole(path("other/trajectory.tum")));
 }
 
+TEST_F(Replay, takesOdometryFromTfAsFromPoses) {
+  RoomDrive drive;
+  summaryOf(
+      {"--bag", record("topic.bag", drive), "--motion-from", "pose", "--initial-pose-from-truth"},
+      "topic");
+  drive.odometry_as_tf = true;
+  const nlohmann::json summary = summaryOf({"--bag", record("tf.bag", drive), "--motion-from", "tf",
+                                            "--odom-frame", "/odom", "--initial-pose-from-truth"},
+                                           "tf");
+  EXPECT_LT(summary["position_error_m"]["rmse"], 0.05);
+  EXPECT_EQ(summary["odometry_seen"], 201);
+  EXPECT_EQ(readWhole(path("topic/trajectory.tum")), readWhole(path("tf/trajectory.tum")));
+}
+
 TEST_F(Replay, joinsBagsInTheOrderOfTheirTimes) {
   RoomDrive early;
   early.seconds = 2.0;
@@ -288,7 +302,8 @@ TEST_F(Replay, refusesParametersAndOptionsThatCannotBe) {
   refuses({"--set", "num_particles:=0"}, {"num_particles is 0"});
   refuses({"--set", "num_particles=3"}, {"name:=value"});
   refuses({"--config", path("none.yaml")}, {"none.yaml"});
-  refuses({"--motion-from", "tf"}, {"motion_from", "twist"});
+  refuses({"--motion-from", "wheels"}, {"motion_from", "twist pose tf"});
+  refuses({"--motion-from", "tf"}, {"odom -> base_link", "--odom-frame", "recorded were: none"});
   refuses({"--initial-pose", "1 2"}, {"--initial-pose", "x y yaw"});
   refuses({"--initial-pose", "99 2 0"}, {"outside the map"});
   refuses({"--truth", path("none.tum")}, {"none.tum"});

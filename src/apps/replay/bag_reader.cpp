@@ -27,6 +27,12 @@ std::vector<std::string> spellings(const std::vector<std::string>& topics) {
   return all;
 }
 
+std::string joined(const std::set<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
 template <typename Message>
 typename Message::ConstPtr read(const rosbag::MessageInstance& instance) {
   const typename Message::ConstPtr message = instance.instantiate<Message>();
@@ -130,6 +136,52 @@ void BagReader::visitMessages(
 
 void BagReader::forEach(const std::string& scan_topic, const std::string& odometry_topic,
                         const std::function<void(const BagEvent&)>& visit) const {
+  forEach(scan_topic, odometry_topic, read<nav_msgs::Odometry>, visit);
+}
+
+void BagReader::forEach(const std::string& scan_topic, const TfFrames& frames,
+                        const std::function<void(const BagEvent&)>& visit) const {
+  requireOdometry(frames);
+  const std::unique_ptr<TfOdometry> odometry = tfOdometry(frames);
+  const auto odometry_of = [&](const rosbag::MessageInstance& instance) {
+    return odometry->add(*read<tf2_msgs::TFMessage>(instance), false);
+  };
+  forEach(scan_topic, "/tf", odometry_of, visit);
+}
+
+std::unique_ptr<TfOdometry> BagReader::tfOdometry(const TfFrames& frames) const {
+  auto odometry = std::make_unique<TfOdometry>(stripLeadingSlash(frames.odom),
+                                               stripLeadingSlash(frames.base), frames.clock_jump);
+  visitMessages({"/tf_static"}, [&](const rosbag::MessageInstance& instance) {
+    odometry->add(*read<tf2_msgs::TFMessage>(instance), true);
+    return true;
+  });
+  return odometry;
+}
+
+void BagReader::requireOdometry(const TfFrames& frames) const {
+  const std::unique_ptr<TfOdometry> odometry = tfOdometry(frames);
+  std::set<std::string> known;
+  bool found = false;
+  visitMessages({"/tf"}, [&](const rosbag::MessageInstance& instance) {
+    const auto message = read<tf2_msgs::TFMessage>(instance);
+    for (const geometry_msgs::TransformStamped& transform : message->transforms) {
+      known.insert(stripLeadingSlash(transform.header.frame_id) + " -> " +
+                   stripLeadingSlash(transform.child_frame_id));
+    }
+    found = odometry->add(*message, false) != nullptr;
+    return !found;
+  });
+  if (found) return;
+  throw BagError(names() + ": /tf holds no odometry " + stripLeadingSlash(frames.odom) + " -> " +
+                 stripLeadingSlash(frames.base) + "; --odom-frame and --base-frame name others; " +
+                 "recorded were: " + (known.empty() ? "none" : joined(known)));
+}
+
+void BagReader::forEach(
+    const std::string& scan_topic, const std::string& odometry_topic,
+    const std::function<nav_msgs::OdometryConstPtr(const rosbag::MessageInstance&)>& odometry_of,
+    const std::function<void(const BagEvent&)>& visit) const {
   // Scans wait here until all odometry recorded at the same time is through.
   std::vector<BagEvent> scans;
   const auto flush = [&] {
@@ -144,8 +196,8 @@ void BagReader::forEach(const std::string& scan_topic, const std::string& odomet
       event.scan = read<sensor_msgs::LaserScan>(instance);
       scans.push_back(event);
     } else {
-      event.odometry = read<nav_msgs::Odometry>(instance);
-      visit(event);
+      event.odometry = odometry_of(instance);
+      if (event.odometry) visit(event);
     }
     return true;
   });
@@ -188,10 +240,7 @@ LaserMount BagReader::laserMount(const std::string& scan_topic,
   if (!found) {
     std::vector<std::string> frames;
     transforms._getFrameStrings(frames);
-    std::string text;
-    for (const std::string& frame : std::set<std::string>(frames.begin(), frames.end())) {
-      text += (text.empty() ? "" : ", ") + frame;
-    }
+    const std::string text = joined({frames.begin(), frames.end()});
     throw BagError(names() + ": /tf_static and /tf do not tell where the lidar's frame '" +
                    laser_frame + "' sits on '" + base +
                    "'; --laser-pose says it; frames known: " + (text.empty() ? "none" : text));

@@ -14,6 +14,7 @@
 
 #include "evaluation/trajectory.h"
 #include "ros/conversions.h"
+#include "ros/tf_odometry.h"
 
 namespace racecar_mcl {
 
@@ -31,6 +32,13 @@ struct BagEvent {
   ros::Time recorded;
   sensor_msgs::LaserScan::ConstPtr scan;
   nav_msgs::Odometry::ConstPtr odometry;
+};
+
+/// The frames between which tf holds the odometry.
+struct TfFrames {
+  std::string odom;
+  std::string base;
+  double clock_jump = 1.0;  ///< s; see TfOdometry
 };
 
 class BagReader {
@@ -52,6 +60,11 @@ class BagReader {
   void forEach(const std::string& scan_topic, const std::string& odometry_topic,
                const std::function<void(const BagEvent&)>& visit) const;
 
+  /// The same with odometry from tf, odom_frame -> base_frame. Throws BagError, before the first
+  /// event, naming the frames that the bags do hold where this way is not among them.
+  void forEach(const std::string& scan_topic, const TfFrames& frames,
+               const std::function<void(const BagEvent&)>& visit) const;
+
   /// The poses of an odometry topic, by header stamp.
   Trajectory readPoses(const std::string& topic) const;
 
@@ -68,6 +81,14 @@ class BagReader {
   /// Calls visit(message) in the order of record time until it returns false.
   void visitMessages(const std::vector<std::string>& topics,
                      const std::function<bool(const rosbag::MessageInstance&)>& visit) const;
+  /// Calls `visit` for scans, and for the odometry that `odometry_of` makes of other messages.
+  void forEach(
+      const std::string& scan_topic, const std::string& odometry_topic,
+      const std::function<nav_msgs::OdometryConstPtr(const rosbag::MessageInstance&)>& odometry_of,
+      const std::function<void(const BagEvent&)>& visit) const;
+  /// Odometry from tf that knows all of /tf_static.
+  std::unique_ptr<TfOdometry> tfOdometry(const TfFrames& frames) const;
+  void requireOdometry(const TfFrames& frames) const;
   std::string contents() const;
   std::string names() const;
 

@@ -183,12 +183,17 @@ ReplayRecord runReplay(const BagReader& bags, const ReplayInput& input, Localize
   Run run(input, localizer, observers);
   std::optional<ros::Time> first;
   ros::Time last;
-  bags.forEach(input.scan_topic, input.odometry_topic, [&](const BagEvent& event) {
+  const auto add = [&](const BagEvent& event) {
     if (!first) first = event.recorded;
     last = event.recorded;
     run.add(event);
     progress();
-  });
+  };
+  if (input.odometry_from_tf) {
+    bags.forEach(input.scan_topic, *input.odometry_from_tf, add);
+  } else {
+    bags.forEach(input.scan_topic, input.odometry_topic, add);
+  }
   ReplayRecord record = run.finish();
   record.duration = first ? (last - *first).toSec() : 0.0;
   record.wall_seconds = secondsSince(start) - run.observedSeconds();

@@ -21,6 +21,7 @@ struct TimedStart {
 struct ReplayInput {
   std::string scan_topic;
   std::string odometry_topic;
+  std::optional<TfFrames> odometry_from_tf;  ///< instead of from the topic
   LaserMount mount;
   std::optional<TimedStart> start;  ///< none where the localizer has been started already
 };
