@@ -16,6 +16,11 @@
 
 namespace racecar_mcl {
 
+enum class BeamLayout {
+  kEven,   ///< bearings evenly spread
+  kBoxed,  ///< end points evenly spread over the walls of a corridor
+};
+
 struct LocalizerParameters {
   ParticleFilterParameters filter;
   MotionModelParameters motion;
@@ -25,10 +30,12 @@ struct LocalizerParameters {
   VerdictParameters verdict;
   int num_beams_per_particle = 100;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
-  int min_beams = 10;                  ///< a scan with fewer valid beams is not used
-  bool deskew = true;                  ///< correct for the car's motion during the sweep
-  bool global_search = true;  ///< a global start begins where the first scan fits, not evenly
-  bool recovery = true;       ///< search the map again when scans are explained badly
+  BeamLayout beam_layout = BeamLayout::kEven;
+  double beam_box_aspect = 3.0;  ///< length by width of the corridor of a boxed layout
+  int min_beams = 10;            ///< a scan with fewer valid beams is not used
+  bool deskew = true;            ///< correct for the car's motion during the sweep
+  bool global_search = true;     ///< a global start begins where the first scan fits, not evenly
+  bool recovery = true;          ///< search the map again when scans are explained badly
   int parked_updates =
       40;  ///< scans weighed after the car has stopped; more of the same view is no news
 };
@@ -38,6 +45,9 @@ void validate(const LocalizerParameters& parameters);
 
 /// The map model these parameters ask for; see makeMapModel above.
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const LocalizerParameters& parameters);
+
+/// The beams of a scan that these parameters ask for.
+Scan chooseBeams(const LocalizerParameters& parameters, const Scan& scan);
 
 enum class ScanOutcome {
   kUsed,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "racecar_mcl/pose.h"
 
@@ -26,6 +27,15 @@ struct Scan {
 /// field of view of 2 pi or more keeps all bearings. Throws std::invalid_argument where the scan's
 /// arrays differ in length.
 Scan selectBeams(const Scan& scan, int count, double field_of_view);
+
+/// The same, but spread evenly over the walls of a corridor: over the sides of a box about the
+/// lidar that is `aspect` times as long, along the lidar's x axis, as it is wide. Evenly spread
+/// bearings would crowd on the walls beside the car and leave few beams for those ahead. The beams
+/// come in the order of their bearings.
+Scan selectBeamsBoxed(const Scan& scan, int count, double field_of_view, double aspect);
+
+/// The beams of these indices alone.
+Scan takeBeams(const Scan& scan, const std::vector<Eigen::Index>& chosen);
 
 /// The sweep as it would have been seen had the car stood still at the scan's stamp: every end
 /// point is moved by the car's motion between the stamp and its beam, then seen again from the

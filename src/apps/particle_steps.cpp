@@ -103,9 +103,7 @@ void run(const Options& o) {
       poseAt(truth, static_cast<Nanoseconds>(std::llround(begin * 1e9)), 1.0);
   if (!start) throw TrajectoryError(o.truth + ": tells no pose at " + std::to_string(begin) + " s");
 
-  const auto beamsOf = [&](const Scan& scan) {
-    return selectBeams(scan, parameters.num_beams_per_particle, parameters.scan_field_of_view);
-  };
+  const auto beamsOf = [&](const Scan& scan) { return chooseBeams(parameters, scan); };
   std::ostringstream table;
   table << std::setprecision(12) << "step,stamp,x,y,yaw\n";
   ParticleFilter filter(parameters.filter, parameters.motion, o.seed);

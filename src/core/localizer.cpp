@@ -59,6 +59,8 @@ void validate(const LocalizerParameters& p) {
             << "; it must lie in [1, num_beams_per_particle = " << p.num_beams_per_particle << "]";
   } else if (!(p.scan_field_of_view > 0.0 && p.scan_field_of_view <= 2.0 * kPi + 1e-3)) {
     problem << "scan_field_of_view is " << p.scan_field_of_view << " rad; it must lie in (0, 2 pi]";
+  } else if (!(p.beam_box_aspect >= 0.1 && p.beam_box_aspect <= 100.0)) {
+    problem << "beam_box_aspect is " << p.beam_box_aspect << "; it must lie in [0.1, 100]";
   } else if (p.parked_updates < 1) {
     problem << "parked_updates is " << p.parked_updates << "; it must be at least 1";
   }
@@ -67,6 +69,14 @@ void validate(const LocalizerParameters& p) {
 
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const LocalizerParameters& parameters) {
   return makeMapModel(std::move(grid), parameters.sensor);
+}
+
+Scan chooseBeams(const LocalizerParameters& p, const Scan& scan) {
+  if (p.beam_layout == BeamLayout::kBoxed) {
+    return selectBeamsBoxed(scan, p.num_beams_per_particle, p.scan_field_of_view,
+                            p.beam_box_aspect);
+  }
+  return selectBeams(scan, p.num_beams_per_particle, p.scan_field_of_view);
 }
 
 std::string describe(ScanOutcome outcome) {
@@ -190,8 +200,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   task.result.outcome = admit(scan);
   if (task.result.outcome != ScanOutcome::kUsed) return task;
 
-  task.beams =
-      selectBeams(scan, parameters_.num_beams_per_particle, parameters_.scan_field_of_view);
+  task.beams = chooseBeams(parameters_, scan);
   if (task.beams.size() < parameters_.min_beams) {
     task.result.outcome = ScanOutcome::kTooFewBeams;
     judge_.judgeUnusable(scan.stamp);

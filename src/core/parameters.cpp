@@ -43,6 +43,11 @@ std::vector<std::string> wordsOf<MotionFrom>() {
   return {"twist", "pose", "tf"};
 }
 
+template <>
+std::vector<std::string> wordsOf<BeamLayout>() {
+  return {"even", "boxed"};
+}
+
 /// Calls visit(name, field) for every parameter: the one place where names and fields meet.
 template <typename Parameters, typename Visit>
 void forEachParameter(Parameters& p, Visit&& visit) {
@@ -78,6 +83,8 @@ void forEachParameter(Parameters& p, Visit&& visit) {
 
   visit("num_beams_per_particle", p.num_beams_per_particle);
   visit("scan_field_of_view", p.scan_field_of_view);
+  visit("beam_layout", p.beam_layout);
+  visit("beam_box_aspect", p.beam_box_aspect);
   visit("min_beams", p.min_beams);
   visit("global_search", p.global_search);
   visit("deskew", p.deskew);

@@ -1,13 +1,18 @@
 #include "racecar_mcl/scan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace racecar_mcl {
 
-Scan selectBeams(const Scan& scan, int count, double field_of_view) {
+namespace {
+
+/// The beams that can be weighed: with a range above zero (+inf included), a finite bearing inside
+/// the field of view and a finite time. Throws std::invalid_argument as selectBeams.
+std::vector<Eigen::Index> usableBeams(const Scan& scan, double field_of_view) {
   const Eigen::Index beams = scan.bearings.size();
   if (scan.ranges.size() != beams || scan.seconds_after_stamp.size() != beams) {
     throw std::invalid_argument("the scan holds " + std::to_string(beams) + " bearings, " +
@@ -17,32 +22,88 @@ Scan selectBeams(const Scan& scan, int count, double field_of_view) {
   }
   const bool all_round = field_of_view >= 2.0 * kPi;
   const float limit = static_cast<float>(field_of_view / 2.0);
-  std::vector<Eigen::Index> inside;
-  inside.reserve(static_cast<std::size_t>(scan.size()));
+  std::vector<Eigen::Index> usable;
+  usable.reserve(static_cast<std::size_t>(scan.size()));
   for (Eigen::Index i = 0; i < scan.size(); ++i) {
     const bool valid = scan.ranges[i] > 0.0f && std::isfinite(scan.bearings[i]) &&
                        std::isfinite(scan.seconds_after_stamp[i]);
-    if (valid && (all_round || std::abs(scan.bearings[i]) <= limit)) inside.push_back(i);
+    if (valid && (all_round || std::abs(scan.bearings[i]) <= limit)) usable.push_back(i);
+  }
+  return usable;
+}
+
+/// How far round a box of half-width 1 and half-length `aspect` a bearing's end point lies from the
+/// middle of the box's front: the way along its sides, left positive.
+double wayRoundBox(double bearing, double aspect) {
+  const double turn = std::min(std::abs(bearing), kPi);
+  const double corner = std::atan2(1.0, aspect);
+  double way;
+  if (turn <= corner) {
+    way = aspect * std::tan(turn);  // on the front
+  } else if (turn < kPi - corner) {
+    way = 1.0 + aspect - 1.0 / std::tan(turn);  // on a side
+  } else {
+    way = 2.0 + 2.0 * aspect - aspect * std::tan(kPi - turn);  // on the back
+  }
+  return std::copysign(way, bearing);
+}
+
+}  // namespace
+
+Scan takeBeams(const Scan& scan, const std::vector<Eigen::Index>& chosen) {
+  const auto count = static_cast<Eigen::Index>(chosen.size());
+  Scan taken;
+  taken.stamp = scan.stamp;
+  taken.laser_in_base = scan.laser_in_base;
+  taken.bearings.resize(count);
+  taken.ranges.resize(count);
+  taken.seconds_after_stamp.resize(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index i = chosen[static_cast<std::size_t>(k)];
+    taken.bearings[k] = scan.bearings[i];
+    taken.ranges[k] = scan.ranges[i];
+    taken.seconds_after_stamp[k] = scan.seconds_after_stamp[i];
+  }
+  return taken;
+}
+
+Scan selectBeams(const Scan& scan, int count, double field_of_view) {
+  const std::vector<Eigen::Index> usable = usableBeams(scan, field_of_view);
+  const std::size_t available = usable.size();
+  std::vector<Eigen::Index> chosen(
+      std::min(static_cast<std::size_t>(std::max(count, 0)), available));
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    // The first and the last beam are both taken, the others lie evenly between them.
+    const std::size_t gaps = chosen.size() - 1;
+    chosen[k] = usable[gaps == 0 ? available / 2 : (k * (available - 1) + gaps / 2) / gaps];
+  }
+  return takeBeams(scan, chosen);
+}
+
+Scan selectBeamsBoxed(const Scan& scan, int count, double field_of_view, double aspect) {
+  std::vector<Eigen::Index> usable = usableBeams(scan, field_of_view);
+  std::stable_sort(usable.begin(), usable.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return scan.bearings[a] < scan.bearings[b];
+  });
+  std::vector<double> way;
+  way.reserve(usable.size());
+  for (const Eigen::Index i : usable) {
+    way.push_back(wayRoundBox(static_cast<double>(scan.bearings[i]), aspect));
   }
 
-  const auto available = static_cast<Eigen::Index>(inside.size());
-  const Eigen::Index chosen = std::min<Eigen::Index>(std::max(count, 0), available);
-  Scan selected;
-  selected.stamp = scan.stamp;
-  selected.laser_in_base = scan.laser_in_base;
-  selected.bearings.resize(chosen);
-  selected.ranges.resize(chosen);
-  selected.seconds_after_stamp.resize(chosen);
-  for (Eigen::Index k = 0; k < chosen; ++k) {
-    // The first and the last beam are both taken, the others lie evenly between them.
-    const Eigen::Index slot =
-        chosen == 1 ? available / 2 : (k * (available - 1) + (chosen - 1) / 2) / (chosen - 1);
-    const Eigen::Index i = inside[static_cast<std::size_t>(slot)];
-    selected.bearings[k] = scan.bearings[i];
-    selected.ranges[k] = scan.ranges[i];
-    selected.seconds_after_stamp[k] = scan.seconds_after_stamp[i];
+  std::vector<Eigen::Index> chosen(
+      std::min(static_cast<std::size_t>(std::max(count, 0)), usable.size()));
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const double share =
+        chosen.size() == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(chosen.size() - 1);
+    const double target = way.front() + share * (way.back() - way.front());
+    // The nearest that leaves enough beams for those still to be chosen: none is taken twice.
+    const std::size_t last = usable.size() - (chosen.size() - k);
+    while (next < last && std::abs(way[next + 1] - target) <= std::abs(way[next] - target)) ++next;
+    chosen[k] = usable[next++];
   }
-  return selected;
+  return takeBeams(scan, chosen);
 }
 
 }  // namespace racecar_mcl

@@ -597,6 +597,8 @@ TEST(LocalizerParameters, RefuseWhatCannotBe) {
                    changed([](P& p) { p.scan_field_of_view = 0.0; }),
                    changed([](P& p) { p.scan_field_of_view = 7.0; }),
                    changed([](P& p) { p.scan_field_of_view = kNan; }),
+                   changed([](P& p) { p.beam_box_aspect = 0.0; }),
+                   changed([](P& p) { p.beam_box_aspect = kNan; }),
                    changed([](P& p) { p.parked_updates = 0; })};
   EXPECT_NO_THROW(validate(P{}));
   for (const P& parameters : bad) {

@@ -176,8 +176,9 @@ TEST(Parameters, EveryOneChangesOnlyItself) {
   for (const auto& [name, value] : parameterTexts(LocalizerParameters{})) {
     Texts expected = parameterTexts(LocalizerParameters{});
     bool changed = false;
-    for (const char* other : {"0.625", "77", "true", "false", "best", "constant", "multinomial",
-                              "occupied", "pose", "beam", "likelihood_field", "bresenham"}) {
+    for (const char* other :
+         {"0.625", "77", "true", "false", "best", "constant", "multinomial", "occupied", "boxed",
+          "pose", "beam", "likelihood_field", "bresenham"}) {
       LocalizerParameters parameters;
       try {
         setParameter(name, other, &parameters);

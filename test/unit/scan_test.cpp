@@ -118,10 +118,73 @@ TEST(SelectBeams, AFullTurnKeepsTheBeamBehind) {
   EXPECT_EQ(selectBeams(scan, 3, 2 * kPi).size(), 3);
 }
 
+/// Where a beam ends on a corridor's wall, and round that corridor from its front: m, left
+/// positive.
+double wayRoundCorridor(double bearing, double half_length, double half_width) {
+  const double c = std::cos(bearing), s = std::sin(bearing);
+  const double range = std::min(half_length / std::abs(c), half_width / std::abs(s));
+  const double x = range * c, y = range * s;
+  if (std::abs(std::abs(y) - half_width) < 1e-6) {
+    return std::copysign(half_width + half_length - x, y);
+  }
+  return x > 0.0 ? y : std::copysign(2.0 * half_width + 2.0 * half_length - std::abs(y), y);
+}
+
+TEST(SelectBeamsBoxed, SpacesEndPointsEvenlyOnTheWallsOfACorridor) {
+  // A Hokuyo's 1081 beams over 270 degrees; a corridor of 2 m by 6 m.
+  Scan scan = fan(1081);
+  scan.bearings *= 0.25f;
+  const Scan chosen = selectBeamsBoxed(scan, 60, 2 * kPi, 3.0);
+  ASSERT_EQ(chosen.size(), 60);
+  std::vector<double> way;
+  for (Eigen::Index k = 0; k < chosen.size(); ++k) {
+    way.push_back(wayRoundCorridor(static_cast<double>(chosen.bearings[k]), 3.0, 1.0));
+  }
+  const double step = (way.back() - way.front()) / 59.0;
+  // Towards a far corner one beam ends up to 0.045 m from the next.
+  for (std::size_t k = 1; k < way.size(); ++k) EXPECT_NEAR(way[k] - way[k - 1], step, 0.05);
+  EXPECT_EQ(chosen.ranges[0], 1.0f);
+  EXPECT_EQ(chosen.ranges[59], 1081.0f);
+}
+
+TEST(SelectBeamsBoxed, LooksFartherAheadTheLongerTheBox) {
+  const auto ahead = [](double aspect) {
+    return (selectBeamsBoxed(fan(271), 50, 2 * kPi, aspect).bearings.abs() < 0.5f).count();
+  };
+  EXPECT_LT(ahead(0.5), ahead(1.0));
+  EXPECT_LT(ahead(1.0), ahead(4.0));
+}
+
+TEST(SelectBeamsBoxed, TakesNoneTwiceAndAllWhereFewAreThere) {
+  for (const int count : {1, 2, 30, 180, 181, 400}) {
+    const Scan chosen = selectBeamsBoxed(fan(181), count, 2 * kPi, 20.0);
+    ASSERT_EQ(chosen.size(), std::min(count, 181));
+    for (Eigen::Index k = 1; k < chosen.size(); ++k) {
+      EXPECT_LT(chosen.ranges[k - 1], chosen.ranges[k]);
+    }
+  }
+  EXPECT_EQ(selectBeamsBoxed(Scan{}, 60, 2 * kPi, 3.0).size(), 0);
+  EXPECT_EQ(selectBeamsBoxed(fan(23), 0, 2 * kPi, 3.0).size(), 0);
+}
+
+TEST(SelectBeamsBoxed, ChoosesAmongTheValidOnesOfAFullTurnInAnyOrder) {
+  Scan scan = fan(360);
+  scan.bearings.reverseInPlace();
+  for (Eigen::Index i = 0; i < 360; i += 2) scan.ranges[i] = kNan;
+  const Scan chosen = selectBeamsBoxed(scan, 60, 2 * kPi, 3.0);
+  ASSERT_EQ(chosen.size(), 60);
+  EXPECT_TRUE((chosen.ranges > 0.0f).all());
+  for (Eigen::Index k = 1; k < chosen.size(); ++k) {
+    EXPECT_LT(chosen.bearings[k - 1], chosen.bearings[k]);
+  }
+  EXPECT_NEAR(static_cast<double>((chosen.bearings < 0.0f).count()), 30.0, 1.0);
+}
+
 TEST(SelectBeams, RefusesArraysOfDifferentLengths) {
   Scan scan = fan(10);
   scan.ranges.conservativeResize(9);
   EXPECT_THROW(selectBeams(scan, 5, 1.0), std::invalid_argument);
+  EXPECT_THROW(selectBeamsBoxed(scan, 5, 1.0, 3.0), std::invalid_argument);
   scan = fan(10);
   scan.seconds_after_stamp.resize(0);
   EXPECT_THROW(selectBeams(scan, 5, 1.0), std::invalid_argument);
