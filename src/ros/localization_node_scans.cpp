@@ -72,7 +72,7 @@ void LocalizationNode::processScan() {
   publishPose(true);
   noteScan(result, received->arrival);
   output_.publishScanTopics(localizer_.particles(), *localizer_.map(), *received->message, mount,
-                            result.update.estimate.base_in_map);
+                            result.update);
 }
 
 void LocalizationNode::noteScan(const ScanResult& result, ros::WallTime arrival) {

@@ -36,6 +36,7 @@ LocalizationOutput::LocalizationOutput(ros::NodeHandle node, const NodeParameter
       verdict_(node.advertise<diagnostic_msgs::DiagnosticStatus>("pf/verdict", 10, true)),
       particles_(node.advertise<geometry_msgs::PoseArray>("pf/viz/particles", 1)),
       markers_(node.advertise<visualization_msgs::MarkerArray>("pf/viz/particle_markers", 1)),
+      clusters_(node.advertise<visualization_msgs::MarkerArray>("pf/viz/clusters", 1)),
       scan_(node.advertise<sensor_msgs::LaserScan>("pf/viz/scan", 1)),
       fake_scan_(node.advertise<sensor_msgs::LaserScan>("pf/viz/fake_scan", 1)) {}
 
@@ -81,7 +82,7 @@ void LocalizationOutput::broadcast(const std::string& child, const Pose2& child_
 
 void LocalizationOutput::publishScanTopics(const ParticleSet& particles, const MapModel& map,
                                            const sensor_msgs::LaserScan& message,
-                                           const LaserMount& mount, const Pose2& base_in_map) {
+                                           const LaserMount& mount, const UpdateResult& update) {
   const ros::WallTime now = ros::WallTime::now();
   if ((now - last_visualization_).toSec() < visualization_period_) return;
   last_visualization_ = now;
@@ -90,13 +91,16 @@ void LocalizationOutput::publishScanTopics(const ParticleSet& particles, const M
   header.frame_id = map_frame_;
   publishIfHeard(particles_, [&] { return particleArray(particles, header); });
   publishIfHeard(markers_, [&] { return particleMarkers(particles, header); });
+  if (!update.clusters.empty()) {
+    publishIfHeard(clusters_, [&] { return clusterMarkers(update.clusters, header); });
+  }
   publishIfHeard(scan_, [&] {
     sensor_msgs::LaserScan scan = message;
     scan.header.frame_id = stripLeadingSlash(scan.header.frame_id);
     return scan;
   });
   publishIfHeard(fake_scan_, [&] {
-    const Pose2 laser_in_map = compose(base_in_map, mount.laser_in_base);
+    const Pose2 laser_in_map = compose(update.estimate.base_in_map, mount.laser_in_base);
     sensor_msgs::LaserScan scan = expectedScan(map, laser_in_map, mount.upside_down, message);
     scan.header.frame_id = stripLeadingSlash(scan.header.frame_id);
     return scan;

@@ -31,11 +31,12 @@ class LocalizationOutput {
   /// tf map -> `child`, stamped transform_tolerance after `stamp`.
   void broadcast(const std::string& child, const Pose2& child_in_map, double stamp);
 
-  /// Particles and scans, at most visualization_rate times a second and only for topics that
-  /// somebody listens to. Not to be called from two threads.
+  /// Particles, clusters (those of the newest update that looked for them) and scans, at most
+  /// visualization_rate times a second and only for topics that somebody listens to. Not to be
+  /// called from two threads.
   void publishScanTopics(const ParticleSet& particles, const MapModel& map,
                          const sensor_msgs::LaserScan& message, const LaserMount& mount,
-                         const Pose2& base_in_map);
+                         const UpdateResult& update);
 
  private:
   std::string map_frame_;
@@ -46,7 +47,7 @@ class LocalizationOutput {
   ros::Publisher pose_, inferred_pose_, amcl_pose_;
   ros::Publisher verdict_;
   std::optional<VerdictState> last_verdict_;
-  ros::Publisher particles_, markers_, scan_, fake_scan_;
+  ros::Publisher particles_, markers_, clusters_, scan_, fake_scan_;
   tf2_ros::TransformBroadcaster broadcaster_;
 };
 

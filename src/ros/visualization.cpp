@@ -1,7 +1,12 @@
 #include "ros/visualization.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iomanip>
 #include <limits>
+#include <sstream>
+#include <utility>
 
 #include "ros/conversions.h"
 
@@ -10,6 +15,12 @@ namespace {
 
 constexpr double kArrowLength = 0.12;  // m
 constexpr double kArrowHead = 0.04;    // m
+// Clusters stand above the particles; their arrows' length is for a weight of 0 and of 1.
+constexpr double kClusterHeight = 0.1;    // m
+constexpr double kShortestCluster = 0.3;  // m
+constexpr double kLongestCluster = 1.0;   // m
+constexpr double kClusterWidth = 0.08;    // m
+constexpr double kTextHeight = 0.25;      // m
 
 /// Calls visit(i) for at most `limit` particles.
 template <typename Visit>
@@ -72,6 +83,43 @@ visualization_msgs::MarkerArray particleMarkers(const ParticleSet& particles,
   });
   visualization_msgs::MarkerArray array;
   array.markers.push_back(std::move(marker));
+  return array;
+}
+
+visualization_msgs::MarkerArray clusterMarkers(const std::vector<Cluster>& clusters,
+                                               std_msgs::Header header, std::size_t limit) {
+  visualization_msgs::MarkerArray array;
+  visualization_msgs::Marker marker;
+  marker.header = std::move(header);
+  marker.pose.orientation.w = 1.0;
+  marker.action = visualization_msgs::Marker::DELETEALL;
+  array.markers.push_back(marker);
+
+  marker.action = visualization_msgs::Marker::ADD;
+  for (std::size_t i = 0; i < std::min(limit, clusters.size()); ++i) {
+    const double weight = clusters[i].weight;
+    marker.id = static_cast<std::int32_t>(i);
+    marker.pose = toMessage(clusters[i].estimate.base_in_map);
+    marker.pose.position.z = kClusterHeight;
+
+    marker.ns = "means";
+    marker.type = visualization_msgs::Marker::ARROW;
+    marker.color = heatColour(weight);
+    marker.scale.x = kShortestCluster + (kLongestCluster - kShortestCluster) * weight;
+    marker.scale.y = marker.scale.z = kClusterWidth;
+    marker.text.clear();
+    array.markers.push_back(marker);
+
+    marker.ns = "weights";
+    marker.type = visualization_msgs::Marker::TEXT_VIEW_FACING;
+    marker.pose.position.z = 2.0 * kClusterHeight;
+    marker.scale.x = marker.scale.y = 0.0;
+    marker.scale.z = kTextHeight;
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(2) << weight;
+    marker.text = text.str();
+    array.markers.push_back(marker);
+  }
   return array;
 }
 

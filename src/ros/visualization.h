@@ -6,6 +6,8 @@
 #include <sensor_msgs/LaserScan.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <vector>
+
 #include "racecar_mcl/particle_filter.h"
 
 namespace racecar_mcl {
@@ -17,6 +19,12 @@ geometry_msgs::PoseArray particleArray(const ParticleSet& particles, std_msgs::H
 /// One marker of small arrows, from blue (light) to red (the heaviest).
 visualization_msgs::MarkerArray particleMarkers(const ParticleSet& particles,
                                                 std_msgs::Header header, Eigen::Index limit = 5000);
+
+/// Where the car may be: for each of at most `limit` clusters, heaviest first, an arrow at its mean
+/// (namespace "means"), the longer and redder the more weight it holds, and its share of the weight
+/// as text (namespace "weights"). The first marker deletes those shown before.
+visualization_msgs::MarkerArray clusterMarkers(const std::vector<Cluster>& clusters,
+                                               std_msgs::Header header, std::size_t limit = 50);
 
 /// The scan the map predicts for a lidar of this layout at this pose: the same angles as `real`.
 sensor_msgs::LaserScan expectedScan(const MapModel& map, const Pose2& laser_in_map,

@@ -89,6 +89,7 @@ TEST_F(LocalizationContractTest, AdvertisesEveryTopicWithItsType) {
   EXPECT_EQ(types[namespace_ + "/pf/viz/inferred_pose"], "geometry_msgs/PoseStamped");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particles"], "geometry_msgs/PoseArray");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particle_markers"], "visualization_msgs/MarkerArray");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/clusters"], "visualization_msgs/MarkerArray");
   EXPECT_EQ(types[namespace_ + "/pf/viz/scan"], "sensor_msgs/LaserScan");
   EXPECT_EQ(types[namespace_ + "/pf/viz/fake_scan"], "sensor_msgs/LaserScan");
   EXPECT_EQ(types[namespace_ + "/amcl_pose"], "geometry_msgs/PoseWithCovarianceStamped");
@@ -173,11 +174,13 @@ TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
   const Newest<geometry_msgs::PoseStamped> pose(handle_, "pf/viz/inferred_pose");
   const Newest<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
   const Newest<visualization_msgs::MarkerArray> markers(handle_, "pf/viz/particle_markers");
+  const Newest<visualization_msgs::MarkerArray> clusters(handle_, "pf/viz/clusters");
   const Newest<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
   const Newest<sensor_msgs::LaserScan> fake_scan(handle_, "pf/viz/fake_scan");
   ASSERT_TRUE(listener_.waitFor([&] {
     drive(0.04);
-    return pose.get() && particles.get() && markers.get() && scan.get() && fake_scan.get();
+    return pose.get() && particles.get() && markers.get() && clusters.get() && scan.get() &&
+           fake_scan.get();
   }));
   EXPECT_EQ(pose.get()->header.frame_id, "map");
   EXPECT_LT(distance(toPose2(pose.get()->pose), car_.baseInMap()), 0.15);
@@ -186,6 +189,14 @@ TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
   ASSERT_EQ(markers.get()->markers.size(), 1U);
   EXPECT_EQ(markers.get()->markers[0].header.frame_id, "map");
   EXPECT_EQ(markers.get()->markers[0].points.size(), markers.get()->markers[0].colors.size());
+  const auto& places = clusters.get()->markers;
+  ASSERT_GE(places.size(), 3U) << "one that deletes, and two for each cluster";
+  EXPECT_EQ(places[0].action, visualization_msgs::Marker::DELETEALL);
+  EXPECT_EQ(places[1].header.frame_id, "map");
+  EXPECT_EQ(places[1].ns, "means");
+  EXPECT_LT(distance(toPose2(places[1].pose), car_.baseInMap()), 0.2);
+  EXPECT_EQ(places[2].ns, "weights");
+  EXPECT_GT(std::atof(places[2].text.c_str()), 0.5);
   EXPECT_EQ(scan.get()->header.frame_id, "laser");
   EXPECT_EQ(fake_scan.get()->header.frame_id, "laser");
   ASSERT_EQ(fake_scan.get()->ranges.size(), scan.get()->ranges.size());

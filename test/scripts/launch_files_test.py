@@ -191,7 +191,7 @@ class LaunchFiles(unittest.TestCase):
 
     def testRvizShowsWhatTheLocalizerPublishes(self):
         topics = {"/map", "/pf/viz/particles", "/pf/viz/particle_markers", "/pf/viz/scan",
-                  "/pf/viz/fake_scan", "/pf/pose/odom"}
+                  "/pf/viz/fake_scan", "/pf/viz/clusters", "/pf/pose/odom"}
         self.assertRvizFits("localization.rviz", topics, {"/initialpose", "/clicked_point"})
         self.assertRvizFits("simulation.rviz", topics | {"/simulator/car", "/simulator/obstacles"},
                             {"/initialpose", "/simulator/place", "/simulator/add_obstacle"})
