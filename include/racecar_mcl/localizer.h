@@ -36,6 +36,8 @@ struct LocalizerParameters {
   bool deskew = true;            ///< correct for the car's motion during the sweep
   bool global_search = true;     ///< a global start begins where the first scan fits, not evenly
   bool recovery = true;          ///< search the map again when scans are explained badly
+  bool reject_short_returns = false;  ///< leave out beams that something unmapped stopped, while
+                                      ///< localized
   int parked_updates =
       40;  ///< scans weighed after the car has stopped; more of the same view is no news
 };
@@ -102,9 +104,10 @@ class Localizer {
     PoseEstimate predicted;  ///< at the scan's stamp, by odometry alone
     ScanFit fit;             ///< from the estimate
     bool weigh = false;
-    bool search = false;     ///< start where the scan fits
-    bool recover = false;    ///< put particles where the scan fits better, if it does
-    bool recovered = false;  ///< it did
+    bool reject_short = false;  ///< leave short returns out of the weighing
+    bool search = false;        ///< start where the scan fits
+    bool recover = false;       ///< put particles where the scan fits better, if it does
+    bool recovered = false;     ///< it did
   };
 
   /// Throws as `validate` does.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/short_returns.h"
 
 namespace racecar_mcl {
 namespace {
@@ -223,6 +224,9 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   task.search = search_pending_;
   task.recover = !task.search && wantsRecovery(scan.stamp);
   task.weigh = task.search || scans_since_stop_ <= parameters_.parked_updates;
+  // A lost filter would take the very beams that say so for obstacles.
+  task.reject_short = parameters_.reject_short_returns && !task.recover &&
+                      judge_.verdict().state == VerdictState::kLocalized;
   if (!task.weigh) task.result.outcome = ScanOutcome::kParked;
   last_scan_stamp_ = scan.stamp;
   return task;
@@ -241,6 +245,7 @@ void Localizer::processScan(ScanTask* task) {
     return;
   }
   UpdateResult& update = task->result.update;
+  const Pose2& predicted = task->predicted.base_in_map;
   if (!task->weigh) {
     update.estimate = task->predicted;
   } else if (task->search) {
@@ -248,7 +253,10 @@ void Localizer::processScan(ScanTask* task) {
   } else {
     filter_.predict(task->motion);
     task->recovered = task->recover && filter_.reconsider(map_.get(), task->beams);
-    update = filter_.update(map_.get(), task->beams);
+    update = filter_.update(
+        map_.get(), task->reject_short ? withoutShortReturns(map_.get(), predicted, task->beams,
+                                                             parameters_.min_beams)
+                                       : task->beams);
   }
   task->fit = fitScan(map_.get(), update.estimate.base_in_map, task->beams);
   if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;

@@ -88,6 +88,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("min_beams", p.min_beams);
   visit("global_search", p.global_search);
   visit("deskew", p.deskew);
+  visit("reject_short_returns", p.reject_short_returns);
   visit("parked_updates", p.parked_updates);
 
   visit("sensor_model", p.sensor.sensor_model);

@@ -151,6 +151,69 @@ TEST_F(LocalizerTest, FollowsTheCarByItsDefaults) {
   expectNear(localizer.estimateAt(start_ + 4.0)->base_in_map, truthAt(start_ + 4.0), 0.08, 0.05);
 }
 
+class ShortReturnsTest : public LocalizerTest {
+ protected:
+  /// As the room shows it, but with something unmapped in the way of the middle beams.
+  Scan blocked(double stamp, int beams) const {
+    Scan scan = scanAt(stamp);
+    scan.ranges.segment(scan.size() / 2 - beams / 2, beams) =
+        scan.ranges.segment(scan.size() / 2 - beams / 2, beams).min(0.7f);
+    return scan;
+  }
+
+  /// Beams weighed of the scan after a drive of 1 s in which nothing was in the way.
+  ScanResult meet(int beams, bool reject) const {
+    LocalizerParameters parameters = fewBeams();
+    parameters.reject_short_returns = reject;
+    Localizer localizer = started(parameters);
+    drive(&localizer, 0.0, 1.0, [&](const ScanResult& result) {
+      EXPECT_EQ(result.update.beams, 40) << "nothing is in the way";
+    });
+    EXPECT_EQ(localizer.verdict().state, VerdictState::kLocalized);
+    localizer.addOdometry(odometryAt(start_ + 1.02));
+    return localizer.addScan(blocked(start_ + 1.02, beams));
+  }
+};
+
+TEST_F(ShortReturnsTest, AreNotWeighedWhileLocalizedButStillJudged) {
+  const ScanResult rejected = meet(27, true);  // every 4.5th beam is chosen
+  EXPECT_EQ(rejected.update.beams, 34);
+  const ScanResult weighed = meet(27, false);
+  EXPECT_EQ(weighed.update.beams, 40);
+  EXPECT_LT(rejected.verdict.explained, 0.999);
+  EXPECT_NEAR(rejected.verdict.explained, weighed.verdict.explained, 1e-3);
+}
+
+TEST_F(ShortReturnsTest, AreAllWeighedWhereMostBeamsAreShort) {
+  EXPECT_EQ(meet(120, true).update.beams, 40);
+}
+
+TEST_F(ShortReturnsTest, AreWeighedUntilLocalized) {
+  LocalizerParameters parameters = fewBeams();
+  parameters.reject_short_returns = true;
+  Localizer localizer = started(parameters);
+  ASSERT_EQ(localizer.verdict().state, VerdictState::kConverging);
+  EXPECT_EQ(localizer.addScan(blocked(start_, 27)).update.beams, 40);
+}
+
+TEST_F(LocalizerTest, ChoosesBeamsByTheLayout) {
+  LocalizerParameters parameters = fewBeams();
+  const Scan scan = scanAt(start_);
+  const Scan even = chooseBeams(parameters, scan);
+  parameters.beam_layout = BeamLayout::kBoxed;
+  const Scan boxed = chooseBeams(parameters, scan);
+  EXPECT_EQ(even.size(), 40);
+  EXPECT_EQ(boxed.size(), 40);
+  EXPECT_GT((boxed.bearings.abs() < 0.5f).count(), (even.bearings.abs() < 0.5f).count());
+  double worst = 0.0;
+  Localizer localizer = started(parameters);
+  drive(&localizer, 0.0, 2.0, [&](const ScanResult& result) {
+    EXPECT_EQ(result.update.beams, 40);
+    worst = std::max(worst, distance(result.update.estimate.base_in_map, truthAt(result.stamp)));
+  });
+  EXPECT_LT(worst, 0.15);
+}
+
 TEST_F(LocalizerTest, WaitsForAMapThenForAStart) {
   Localizer localizer(fewBeams(), 1);
   EXPECT_FALSE(localizer.newestStamp());
