@@ -1,0 +1,190 @@
+#include "evaluation/motion_fit.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "racecar_mcl/errors.h"
+
+namespace racecar_mcl {
+namespace {
+
+using Parameters = MotionModelParameters;
+using Term = std::pair<const char*, double Parameters::*>;
+
+constexpr int kMostIterations = 3000;
+constexpr double kSettled = 1e-6;   // largest change of a term's logarithm, or of a vanishing term
+constexpr double kVanished = 1e-5;  // m or rad, a term below does nothing
+constexpr double kStart = 0.05;
+// m^2 or rad^2, far below any odometry's: keeps covariances invertible where a term vanishes.
+constexpr double kFloor = 1e-12;
+
+const std::vector<Term>& termsOf(MotionNoise model) {
+  static const std::vector<Term> constant{{"constant_x_sigma", &Parameters::constant_x_sigma},
+                                          {"constant_y_sigma", &Parameters::constant_y_sigma},
+                                          {"constant_yaw_sigma", &Parameters::constant_yaw_sigma}};
+  static const std::vector<Term> differential{{"turn_per_turn", &Parameters::turn_per_turn},
+                                              {"turn_per_metre", &Parameters::turn_per_metre},
+                                              {"drive_per_metre", &Parameters::drive_per_metre},
+                                              {"drive_per_turn", &Parameters::drive_per_turn}};
+  static const std::vector<Term> ackermann{
+      {"along_per_metre", &Parameters::along_per_metre},
+      {"across_per_metre", &Parameters::across_per_metre},
+      {"yaw_per_metre", &Parameters::yaw_per_metre},
+      {"yaw_per_radian", &Parameters::yaw_per_radian},
+      {"position_per_second", &Parameters::position_per_second},
+      {"yaw_per_second", &Parameters::yaw_per_second},
+      {"slip_per_acceleration", &Parameters::slip_per_acceleration},
+      {"scale_error", &Parameters::scale_error},
+      {"curvature_error", &Parameters::curvature_error},
+      {"turn_scale_error", &Parameters::turn_scale_error}};
+  if (model == MotionNoise::kConstant) return constant;
+  return model == MotionNoise::kDifferential ? differential : ackermann;
+}
+
+Parameters withoutNoise(MotionNoise model) {
+  Parameters parameters;
+  parameters.motion_model = model;
+  for (const Term& term : termsOf(model)) parameters.*term.second = 0.0;
+  return parameters;
+}
+
+std::vector<Term> chosenTerms(MotionNoise model, const std::vector<std::string>& names) {
+  std::vector<Term> chosen;
+  for (const std::string& name : names) {
+    const std::vector<Term>& known = termsOf(model);
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const Term& term) { return name == term.first; });
+    if (found == known.end()) {
+      std::string expected;
+      for (const Term& term : known) expected += std::string(" ") + term.first;
+      throw ParameterError("the motion model has no noise term '" + name + "'; expected one of" +
+                           expected);
+    }
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+/// The covariances that each term alone, at 1, gives each motion.
+std::vector<std::vector<Eigen::Matrix3d>> unitCovariances(const std::vector<MotionSample>& samples,
+                                                          MotionNoise model,
+                                                          const std::vector<Term>& terms) {
+  std::vector<std::vector<Eigen::Matrix3d>> units;
+  for (const Term& term : terms) {
+    Parameters alone = withoutNoise(model);
+    alone.*term.second = 1.0;
+    units.emplace_back();
+    for (const MotionSample& sample : samples) {
+      units.back().push_back(motionCovariance(alone, sample.motion));
+    }
+  }
+  return units;
+}
+
+Eigen::Matrix3d covarianceOf(const Eigen::ArrayXd& variances,
+                             const std::vector<std::vector<Eigen::Matrix3d>>& units,
+                             std::size_t sample) {
+  Eigen::Matrix3d covariance = kFloor * Eigen::Matrix3d::Identity();
+  for (std::size_t j = 0; j < units.size(); ++j) {
+    covariance += variances[static_cast<Eigen::Index>(j)] * units[j][sample];
+  }
+  return covariance;
+}
+
+}  // namespace
+
+MotionSampler::MotionSampler(Trajectory base_in_map, const OdometryParameters& odometry,
+                             double max_gap)
+    : base_in_map_(std::move(base_in_map)),
+      odometry_(odometry),
+      max_gap_(max_gap),
+      next_(base_in_map_.empty() ? 0 : base_in_map_.front().stamp) {}
+
+OdometryOutcome MotionSampler::add(const OdometrySample& sample, Nanoseconds stamp) {
+  const bool first = odometry_.empty();
+  const OdometryOutcome outcome = odometry_.add(sample);
+  if (outcome == OdometryOutcome::kTimeJumpedBack || base_in_map_.empty()) return outcome;
+  const bool used = outcome == OdometryOutcome::kUsed;
+  if (!used && outcome != OdometryOutcome::kGap) return outcome;
+  const auto step = static_cast<Nanoseconds>(std::llround(kStep * 1e9));
+  if (first && stamp > next_) next_ += (stamp - next_ + step - 1) / step * step;
+  for (; next_ <= stamp && next_ <= base_in_map_.back().stamp; next_ += step) {
+    const std::optional<Pose2> pose = poseAt(base_in_map_, next_, max_gap_);
+    // Inside a gap nothing is known of the motion; a time before the first message is none of ours.
+    const bool known = used && !first && pose;
+    nodes_.push_back(known ? std::optional<Node>({odometry_.at(toSeconds(next_)), *pose})
+                           : std::nullopt);
+  }
+  return outcome;
+}
+
+std::vector<MotionSample> MotionSampler::samples(double seconds) const {
+  const auto steps = static_cast<std::size_t>(std::max<long>(1, std::lround(seconds / kStep)));
+  std::vector<MotionSample> samples;
+  for (std::size_t end = steps; end < nodes_.size(); end += steps) {
+    const auto from = nodes_.begin() + static_cast<std::ptrdiff_t>(end - steps);
+    const auto to = nodes_.begin() + static_cast<std::ptrdiff_t>(end);
+    if (!std::all_of(from, to + 1, [](const auto& node) { return node.has_value(); })) continue;
+    MotionSample sample;
+    sample.motion = motionBetween((*from)->odometry, (*to)->odometry);
+    sample.seconds = static_cast<double>(steps) * kStep;
+    if (sample.motion.seconds < 0.5 * sample.seconds) continue;
+    const Pose2 truth = between((*from)->base_in_map, (*to)->base_in_map);
+    const Pose2& delta = sample.motion.delta;
+    sample.error << truth.x - delta.x, truth.y - delta.y, wrapAngle(truth.yaw - delta.yaw);
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+std::vector<std::string> noiseTerms(MotionNoise model) {
+  std::vector<std::string> names;
+  for (const Term& term : termsOf(model)) names.emplace_back(term.first);
+  return names;
+}
+
+MotionFit fitMotionNoise(const std::vector<MotionSample>& samples, MotionNoise model,
+                         const std::vector<std::string>& names) {
+  const std::vector<Term> terms = chosenTerms(model, names);
+  if (samples.empty()) throw std::invalid_argument("there is no motion to learn from");
+  const auto units = unitCovariances(samples, model, terms);
+  Eigen::ArrayXd variances =
+      Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(terms.size()), kStart * kStart);
+  MotionFit fit;
+  double change = 1.0;
+  while (change > kSettled && fit.iterations < kMostIterations) {
+    Eigen::ArrayXd found = Eigen::ArrayXd::Zero(variances.size());
+    Eigen::ArrayXd foreseen = Eigen::ArrayXd::Zero(variances.size());
+    fit.log_likelihood = 0.0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const Eigen::Matrix3d covariance = covarianceOf(variances, units, i);
+      const Eigen::Matrix3d inverse = covariance.inverse();
+      const Eigen::Vector3d weighed = inverse * samples[i].error;
+      fit.log_likelihood -= 0.5 * (samples[i].error.dot(weighed) +
+                                   std::log(covariance.determinant()) + 3.0 * std::log(2.0 * kPi));
+      for (std::size_t j = 0; j < units.size(); ++j) {
+        const auto term = static_cast<Eigen::Index>(j);
+        found[term] += weighed.dot(units[j][i] * weighed);
+        foreseen[term] += (inverse.cwiseProduct(units[j][i])).sum();
+      }
+    }
+    fit.log_likelihood /= static_cast<double>(samples.size());
+    // A term that no motion feels, as that of turns on a straight drive, is taken for zero.
+    const Eigen::ArrayXd next =
+        (foreseen > 0.0).select(variances * (found / foreseen.max(1e-300)).sqrt(), 0.0);
+    change = ((next.sqrt() - variances.sqrt()).abs() / (variances.sqrt() + kVanished)).maxCoeff();
+    variances = next;
+    ++fit.iterations;
+  }
+  fit.parameters = withoutNoise(model);
+  for (std::size_t j = 0; j < terms.size(); ++j) {
+    const double sigma = std::sqrt(variances[static_cast<Eigen::Index>(j)]);
+    fit.parameters.*terms[j].second = sigma < kVanished ? 0.0 : sigma;
+  }
+  return fit;
+}
+
+}  // namespace racecar_mcl

@@ -1,0 +1,169 @@
+#include "evaluation/motion_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "racecar_mcl/errors.h"
+#include "racecar_mcl/random.h"
+
+namespace racecar_mcl {
+namespace {
+
+/// Drives of all lengths, speeds and bends; the truth is one particle moved by the motion model.
+std::vector<MotionSample> sampleModel(const MotionModelParameters& parameters, int count,
+                                      Random* random) {
+  std::vector<MotionSample> samples;
+  for (int i = 0; i < count; ++i) {
+    MotionSample sample;
+    sample.seconds = random->uniform(0.05, 1.0);
+    const Twist2 twist{random->uniform(0.5, 6.0), 0.0, random->uniform(-2.0, 2.0)};
+    Motion& motion = sample.motion;
+    motion.delta = integrate(twist, sample.seconds);
+    motion.distance = twist.vx * sample.seconds;
+    motion.rotation = std::abs(twist.wz) * sample.seconds;
+    motion.seconds = sample.seconds;
+    motion.messages = 50.0 * sample.seconds;
+    ParticleSet particle;
+    particle.resize(1);
+    particle.x[0] = particle.y[0] = particle.yaw[0] = 0.0;
+    moveParticles(parameters, motion, *random, &particle);
+    sample.error << particle.x[0] - motion.delta.x, particle.y[0] - motion.delta.y,
+        wrapAngle(particle.yaw[0] - motion.delta.yaw);
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+void expectWithinTenPercent(double learned, double truth) {
+  EXPECT_NEAR(learned, truth, 0.1 * truth);
+}
+
+TEST(FitMotionNoise, RecoversTheConstantModel) {
+  Random random(1);
+  MotionModelParameters truth;
+  truth.motion_model = MotionNoise::kConstant;
+  truth.constant_x_sigma = 0.01;
+  truth.constant_y_sigma = 0.03;
+  truth.constant_yaw_sigma = 0.002;
+  const MotionFit fit = fitMotionNoise(sampleModel(truth, 2000, &random), MotionNoise::kConstant,
+                                       noiseTerms(MotionNoise::kConstant));
+  expectWithinTenPercent(fit.parameters.constant_x_sigma, 0.01);
+  expectWithinTenPercent(fit.parameters.constant_y_sigma, 0.03);
+  expectWithinTenPercent(fit.parameters.constant_yaw_sigma, 0.002);
+}
+
+TEST(FitMotionNoise, RecoversTheDifferentialModel) {
+  Random random(2);
+  MotionModelParameters truth;
+  truth.motion_model = MotionNoise::kDifferential;
+  const MotionFit fit =
+      fitMotionNoise(sampleModel(truth, 5000, &random), MotionNoise::kDifferential,
+                     noiseTerms(MotionNoise::kDifferential));
+  expectWithinTenPercent(fit.parameters.turn_per_turn, truth.turn_per_turn);
+  expectWithinTenPercent(fit.parameters.turn_per_metre, truth.turn_per_metre);
+  expectWithinTenPercent(fit.parameters.drive_per_metre, truth.drive_per_metre);
+}
+
+TEST(FitMotionNoise, RecoversTheMainTermsOfTheAckermannModel) {
+  Random random(3);
+  MotionModelParameters truth;
+  truth.position_per_second = truth.yaw_per_second = truth.slip_per_acceleration = 0.0;
+  truth.along_per_metre = 0.05;
+  truth.across_per_metre = 0.03;
+  truth.yaw_per_metre = 0.03;
+  truth.yaw_per_radian = 0.05;
+  truth.scale_error = 0.06;
+  truth.curvature_error = 0.05;
+  truth.turn_scale_error = 0.15;
+  const MotionFit fit =
+      fitMotionNoise(sampleModel(truth, 20000, &random), MotionNoise::kAckermann,
+                     {"along_per_metre", "across_per_metre", "yaw_per_metre", "yaw_per_radian",
+                      "scale_error", "curvature_error", "turn_scale_error"});
+  expectWithinTenPercent(fit.parameters.along_per_metre, truth.along_per_metre);
+  expectWithinTenPercent(fit.parameters.across_per_metre, truth.across_per_metre);
+  expectWithinTenPercent(fit.parameters.yaw_per_metre, truth.yaw_per_metre);
+  expectWithinTenPercent(fit.parameters.yaw_per_radian, truth.yaw_per_radian);
+  expectWithinTenPercent(fit.parameters.scale_error, truth.scale_error);
+  expectWithinTenPercent(fit.parameters.curvature_error, truth.curvature_error);
+  expectWithinTenPercent(fit.parameters.turn_scale_error, truth.turn_scale_error);
+  EXPECT_EQ(fit.parameters.position_per_second, 0.0);
+}
+
+TEST(FitMotionNoise, FindsNoNoiseWhereThereIsNoneAndTermsThatNoMotionFeels) {
+  MotionSample straight;
+  straight.motion = {{1.0, 0.0, 0.0}, 1.0, 0.0, 1.0, 50.0};
+  straight.seconds = 1.0;
+  straight.error.setZero();
+  const MotionFit fit =
+      fitMotionNoise(std::vector<MotionSample>(50, straight), MotionNoise::kAckermann,
+                     {"along_per_metre", "yaw_per_radian", "scale_error"});
+  EXPECT_LT(fit.parameters.along_per_metre, 1e-4);
+  EXPECT_EQ(fit.parameters.yaw_per_radian, 0.0);
+  EXPECT_NO_THROW(validate(fit.parameters));
+}
+
+TEST(FitMotionNoise, RefusesUnknownTermsAndNoMotion) {
+  Random random(5);
+  const std::vector<MotionSample> samples = sampleModel({}, 10, &random);
+  EXPECT_THROW(fitMotionNoise(samples, MotionNoise::kAckermann, {"constant_x_sigma"}),
+               ParameterError);
+  EXPECT_THROW(fitMotionNoise({}, MotionNoise::kConstant, {"constant_x_sigma"}),
+               std::invalid_argument);
+}
+
+/// A drive on an arc at 2 m/s, with odometry at 50 Hz that is 10 % too fast.
+MotionSampler drive(const Trajectory& truth, const std::function<bool(double)>& hears) {
+  MotionSampler sampler(truth, {}, 0.5);
+  for (int tick = 0; tick <= 200; ++tick) {
+    const double seconds = 0.02 * tick;
+    if (!hears(seconds)) continue;
+    sampler.add({100.0 + seconds, {2.2, 0.0, 0.5}, {}}, std::llround((100.0 + seconds) * 1e9));
+  }
+  return sampler;
+}
+
+Trajectory arc() {
+  Trajectory truth;
+  for (int tick = 0; tick <= 400; ++tick) {
+    const double seconds = 0.01 * tick;
+    truth.push_back({std::llround((100.0 + seconds) * 1e9),
+                     compose({3.0, 1.0, 2.0}, integrate({2.0, 0.0, 0.5}, seconds))});
+  }
+  return truth;
+}
+
+TEST(MotionSampler, ComparesOdometryWithTheTrajectoryInTheCarsFrame) {
+  const Trajectory truth = arc();
+  const MotionSampler sampler = drive(truth, [](double) { return true; });
+  const std::vector<MotionSample> samples = sampler.samples(0.5);
+  ASSERT_GE(samples.size(), 6u);
+  const Pose2 real = integrate({2.0, 0.0, 0.5}, 0.5);
+  const Pose2 told = integrate({2.2, 0.0, 0.5}, 0.5);
+  for (const MotionSample& sample : samples) {
+    EXPECT_NEAR(sample.error.x(), real.x - told.x, 1e-4);
+    EXPECT_NEAR(sample.error.y(), real.y - told.y, 1e-4);
+    EXPECT_NEAR(sample.error.z(), 0.0, 1e-6);
+    EXPECT_NEAR(sample.motion.messages, 25.0, 1e-3);
+  }
+}
+
+TEST(MotionSampler, LeavesOutGapsOfOdometryAndTrajectory) {
+  const Trajectory truth = arc();
+  const std::size_t whole = drive(truth, [](double) { return true; }).samples(0.2).size();
+  const MotionSampler deaf = drive(truth, [](double t) { return t < 1.0 || t > 2.5; });
+  EXPECT_LT(deaf.samples(0.2).size(), whole - 6);
+  Trajectory torn = truth;
+  torn.erase(torn.begin() + 100, torn.begin() + 250);
+  EXPECT_LT(drive(torn, [](double) { return true; }).samples(0.2).size(), whole - 6);
+}
+
+TEST(MotionSampler, FindsNothingWhereTimesDoNotMeet) {
+  Trajectory later = arc();
+  for (StampedPose& row : later) row.stamp += 1000000000000;
+  EXPECT_TRUE(drive(later, [](double) { return true; }).samples(0.2).empty());
+}
+
+}  // namespace
+}  // namespace racecar_mcl
