@@ -8,13 +8,13 @@
 
 #include "bag_reader.h"
 #include "evaluation/trajectory.h"
+#include "output_files.h"
 #include "program.h"
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/localizer.h"
 #include "racecar_mcl/map_io.h"
 #include "racecar_mcl/parameters.h"
 #include "racecar_mcl/particle_filter.h"
-#include "replay_outputs.h"
 
 namespace racecar_mcl {
 namespace {

@@ -21,6 +21,7 @@ using ProgressBar = boost::progress_display;
 #include "bag_reader.h"
 #include "evaluation/trajectory.h"
 #include "evaluation/trajectory_error.h"
+#include "output_files.h"
 #include "parameter_options.h"
 #include "particle_table.h"
 #include "program.h"

@@ -204,12 +204,26 @@ void BagReader::forEach(
   flush();
 }
 
+void BagReader::forEachScan(const std::string& topic,
+                            const std::function<void(const sensor_msgs::LaserScan&)>& visit) const {
+  visitMessages({topic}, [&](const rosbag::MessageInstance& instance) {
+    visit(*read<sensor_msgs::LaserScan>(instance));
+    return true;
+  });
+}
+
+void BagReader::forEachOdometry(const std::string& topic,
+                                const std::function<void(const nav_msgs::Odometry&)>& visit) const {
+  visitMessages({topic}, [&](const rosbag::MessageInstance& instance) {
+    visit(*read<nav_msgs::Odometry>(instance));
+    return true;
+  });
+}
+
 Trajectory BagReader::readPoses(const std::string& topic) const {
   std::vector<StampedPose> poses;
-  visitMessages({topic}, [&](const rosbag::MessageInstance& instance) {
-    const auto message = read<nav_msgs::Odometry>(instance);
-    poses.push_back({toNanoseconds(message->header.stamp), toPose2(message->pose.pose)});
-    return true;
+  forEachOdometry(topic, [&](const nav_msgs::Odometry& message) {
+    poses.push_back({toNanoseconds(message.header.stamp), toPose2(message.pose.pose)});
   });
   return inOrder(std::move(poses));
 }

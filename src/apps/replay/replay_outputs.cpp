@@ -1,18 +1,14 @@
 #include "replay_outputs.h"
 
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <stdexcept>
 #include <vector>
+
+#include "output_files.h"
 
 namespace racecar_mcl {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::vector<double> updateTimes(const ReplayRecord& record) {
   std::vector<double> times;
@@ -40,29 +36,6 @@ std::string tum(const Trajectory& trajectory) {
   writeTum(trajectory, text);
   return text.str();
 }
-
-/// A new empty folder beside a path, gone with its content when this goes.
-class SiblingFolder {
- public:
-  explicit SiblingFolder(const fs::path& path) {
-    std::string name = path.string() + ".XXXXXX";
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error(path.string() + ": no folder can be made beside it");
-    }
-    path_ = name;
-  }
-  ~SiblingFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  SiblingFolder(const SiblingFolder&) = delete;
-  SiblingFolder& operator=(const SiblingFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 }  // namespace
 
@@ -143,30 +116,11 @@ std::string updatesCsv(const ReplayRecord& record) {
   return text;
 }
 
-void writeFile(const std::string& path, const std::string& content) {
-  const std::string draft = path + ".part";
-  std::ofstream file(draft, std::ios::binary);
-  file << content;
-  file.close();
-  std::error_code error;
-  if (file) fs::rename(draft, path, error);
-  if (!file || error) throw std::runtime_error(path + ": cannot be written");
-}
-
 void writeOutputs(const std::string& directory, const ReplayRecord& record,
                   const std::string& summary_json) {
-  // Without a trailing slash, so that a sibling is one.
-  fs::path target = fs::absolute(directory).lexically_normal();
-  if (!target.has_filename()) target = target.parent_path();
-  fs::create_directories(target.parent_path());
-  const SiblingFolder draft(target);
-  writeFile((draft.path() / "trajectory.tum").string(), tum(record.trajectory));
-  writeFile((draft.path() / "updates.csv").string(), updatesCsv(record));
-  writeFile((draft.path() / "summary.json").string(), summary_json);
-  fs::create_directory(target);
-  for (const char* name : {"trajectory.tum", "updates.csv", "summary.json"}) {
-    fs::rename(draft.path() / name, target / name);
-  }
+  writeFolder(directory, {{"trajectory.tum", tum(record.trajectory)},
+                          {"updates.csv", updatesCsv(record)},
+                          {"summary.json", summary_json}});
 }
 
 }  // namespace racecar_mcl

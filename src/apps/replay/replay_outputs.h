@@ -30,12 +30,7 @@ std::string summaryText(const ReplayRecord& record, const RunDescription& descri
 /// A row a scan: stamp, estimate, covariance, and how the update went.
 std::string updatesCsv(const ReplayRecord& record);
 
-/// Writes a file under another name first, so that it is never half there. Throws
-/// std::runtime_error.
-void writeFile(const std::string& path, const std::string& content);
-
-/// Writes the three files into a folder beside `directory` first, so that none is ever half there,
-/// then moves them in; files of the same names are replaced. Throws std::runtime_error.
+/// Writes the three files as writeFolder does.
 void writeOutputs(const std::string& directory, const ReplayRecord& record,
                   const std::string& summary_json);
 

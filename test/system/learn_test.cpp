@@ -1,0 +1,183 @@
+// learn_sensor_model and learn_motion_noise, run as a user runs them.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "evaluation/trajectory.h"
+#include "racecar_mcl/parameters.h"
+#include "racecar_mcl/random.h"
+#include "racecar_mcl/sensor_table.h"
+#include "support/program.h"
+#include "support/room_bag.h"
+
+namespace racecar_mcl {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+void expectWithinTenPercent(double learned, double truth) {
+  EXPECT_NEAR(learned, truth, 0.1 * truth);
+}
+
+class Learn : public testing::Test {
+ protected:
+  Learn() {
+    folder_.write("room.pgm", roomPgm());
+    map_ = folder_.write("room.yaml", roomYaml());
+  }
+
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  /// The learned configuration, as replay would read it.
+  LocalizerParameters configOf(const ProgramResult& result) const {
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    LocalizerParameters parameters;
+    readParameterFile(folder_.write("printed.yaml", result.out), &parameters);
+    validate(parameters);
+    return parameters;
+  }
+
+  void expectError(const ProgramResult& result, const Arguments& words) const {
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.out, "");
+    for (const std::string& word : words) {
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << " in " << result.err;
+    }
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(path("out")));
+  }
+
+  /// A drive through the room whose scans are drawn from the sensor table, and its trajectory.
+  void writeSampledDrive(const SensorTableParameters& truth) const {
+    const Eigen::ArrayXXd table = makeSensorTable(truth);
+    Random random(1);
+    rosbag::Bag bag(path("drive.bag"), rosbag::bagmode::Write);
+    Trajectory trajectory;
+    for (int tick = 0; tick < 160; ++tick) {
+      const double seconds = 0.025 * tick;
+      const Pose2 base_in_map = poseInRoom(seconds);
+      const Pose2 laser_in_map = compose(base_in_map, laser_in_base_);
+      sensor_msgs::LaserScan scan;
+      scan.header.stamp = ros::Time(1000.0 + seconds);
+      scan.header.frame_id = "laser";
+      scan.angle_min = -2.3f;
+      scan.angle_increment = 0.01f;
+      scan.range_max = 10.0f;
+      for (int beam = 0; beam < 461; ++beam) {
+        const double bearing = -2.3 + 0.01 * beam;
+        const auto d = static_cast<Eigen::Index>(std::lround(
+            rangeInRoom(laser_in_map.x, laser_in_map.y, laser_in_map.yaw + bearing) / 0.05));
+        double left = random.uniform();
+        Eigen::Index z = 0;
+        while (z + 1 < table.rows() && (left -= table(z, d)) >= 0.0) ++z;
+        scan.ranges.push_back(std::max(0.01f, 0.05f * static_cast<float>(z)));
+      }
+      bag.write("/scan", scan.header.stamp, scan);
+      trajectory.push_back({static_cast<Nanoseconds>(scan.header.stamp.toNSec()), base_in_map});
+    }
+    std::ostringstream tum;
+    writeTum(trajectory, tum);
+    folder_.write("drive.tum", tum.str());
+  }
+
+  ProgramResult learnSensor(Arguments arguments) const {
+    arguments.insert(arguments.end(), {"--map", map_, "--laser-pose", "0.25 0 0"});
+    return runProgram(LEARN_SENSOR_MODEL_PROGRAM, arguments);
+  }
+
+  /// Drives the simulated car; no arguments but these decide what it senses.
+  void simulate(Arguments arguments) const {
+    arguments.insert(arguments.end(),
+                     {"--map", corridor_, "--out", path("sim.bag"), "--truth", path("sim.tum")});
+    const ProgramResult result = runProgram(SIMULATE_BAG_PROGRAM, arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+
+  const TemporaryDirectory folder_;
+  const Pose2 laser_in_base_{0.25, 0.0, 0.0};
+  const std::string corridor_ = std::string(RACECAR_MCL_SOURCE_DIR) + "/maps/corridor.yaml";
+  std::string map_;
+};
+
+TEST_F(Learn, SensorModelOfBeamsDrawnFromTheTable) {
+  const SensorTableParameters truth{0.62, 0.15, 0.08, 0.15, 3.0, 201};
+  writeSampledDrive(truth);
+  const ProgramResult result =
+      learnSensor({"--bag", path("drive.bag"), "--trajectory", path("drive.tum"), "--set",
+                   "num_beams_per_particle:=461", "--out", path("out")});
+  const LocalizerParameters learned = configOf(result);
+  const SensorTableParameters& table = learned.sensor.beam.table;
+  expectWithinTenPercent(table.alpha_hit, truth.alpha_hit);
+  expectWithinTenPercent(table.alpha_short, truth.alpha_short);
+  expectWithinTenPercent(table.alpha_max, truth.alpha_max);
+  expectWithinTenPercent(table.alpha_rand, truth.alpha_rand);
+  expectWithinTenPercent(table.sigma_hit, truth.sigma_hit);
+  EXPECT_EQ(learned.sensor.sensor_model, SensorModel::kBeam);
+  EXPECT_EQ(learned.num_beams_per_particle, 461) << "what was configured stays";
+  EXPECT_EQ(readWhole(path("out/sensor_model.yaml")), result.out);
+  EXPECT_EQ(readWhole(path("out/sensor_fit.csv")).substr(0, 14), "expected_from,");
+}
+
+TEST_F(Learn, SensorModelOfASimulatedLidar) {
+  simulate({"--duration", "20", "--range-noise", "0.25", "--missing-rate", "0.15"});
+  const ProgramResult result =
+      runProgram(LEARN_SENSOR_MODEL_PROGRAM,
+                 {"--bag", path("sim.bag"), "--map", corridor_, "--trajectory", path("sim.tum")});
+  const SensorTableParameters table = configOf(result).sensor.beam.table;
+  expectWithinTenPercent(table.alpha_hit, 0.85);
+  expectWithinTenPercent(table.alpha_max, 0.15);
+  expectWithinTenPercent(table.sigma_hit, 5.0);
+}
+
+TEST_F(Learn, MotionNoiseOfSimulatedOdometry) {
+  simulate({"--duration", "60", "--odom-noise", "0.4", "--speed-scale-error", "0",
+            "--turn-scale-error", "0"});
+  const ProgramResult result =
+      runProgram(LEARN_MOTION_NOISE_PROGRAM,
+                 {"--bag", path("sim.bag"), "--trajectory", path("sim.tum"), "--fit",
+                  "position_per_second", "yaw_per_second", "--out", path("out")});
+  const MotionModelParameters learned = configOf(result).motion;
+  // 0.4 m/s and rad/s, for the 0.02 s of a message; of 50 such messages in a second.
+  expectWithinTenPercent(learned.constant_x_sigma, 0.008);
+  expectWithinTenPercent(learned.constant_y_sigma, 0.008);
+  expectWithinTenPercent(learned.constant_yaw_sigma, 0.008);
+  expectWithinTenPercent(learned.position_per_second, 0.008 * std::sqrt(50.0));
+  expectWithinTenPercent(learned.yaw_per_second, 0.008 * std::sqrt(50.0));
+  EXPECT_EQ(learned.along_per_metre, 0.0);
+  EXPECT_EQ(readWhole(path("out/motion_noise.yaml")), result.out);
+  EXPECT_EQ(readWhole(path("out/motion_fit.csv")).substr(0, 14), "model,seconds,");
+}
+
+TEST_F(Learn, BadInputIsOneLineOfErrorAndLeavesNothing) {
+  writeSampledDrive({});
+  const std::string bag = path("drive.bag");
+  const std::string elsewhen =
+      folder_.write("late.tum", "5000 0 0 0 0 0 0 1\n5001 0 0 0 0 0 0 1\n");
+  expectError(learnSensor({"--bag", path("none.bag"), "--trajectory", path("drive.tum"), "--out",
+                           path("out")}),
+              {"none.bag"});
+  expectError(learnSensor({"--bag", bag, "--trajectory", path("none.tum"), "--out", path("out")}),
+              {"none.tum"});
+  expectError(learnSensor({"--bag", bag, "--trajectory", elsewhen, "--out", path("out")}),
+              {"late.tum", "5000.0", "1000.0", "0 of 160 scans"});
+  expectError(learnSensor({"--bag", bag, "--trajectory", path("drive.tum"), "--set", "alpha_hit:=2",
+                           "--out", path("out")}),
+              {"alpha_hit"});
+  expectError(runProgram(LEARN_MOTION_NOISE_PROGRAM,
+                         {"--bag", bag, "--trajectory", path("drive.tum"), "--out", path("out")}),
+              {"/vesc/odom", "--odom-topic"});
+
+  writeRoomBag(path("room.bag"), {});
+  const Arguments motion{"--bag", path("room.bag"), "--out", path("out"), "--trajectory"};
+  const auto learnMotion = [&](const Arguments& more) {
+    Arguments arguments = motion;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runProgram(LEARN_MOTION_NOISE_PROGRAM, arguments);
+  };
+  expectError(learnMotion({elsewhen}), {"late.tum", "0 motions", "at least"});
+  expectError(learnMotion({elsewhen, "--interval", "0"}), {"--interval"});
+}
+
+}  // namespace
+}  // namespace racecar_mcl
