@@ -1,0 +1,110 @@
+"""scripts/plot_learned: the learned constants against the data they were learned from."""
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from . import EvaluationError
+from .style import TRUTH, colour, new_figure, save
+
+DESCRIPTION = """Draws sensor_fit.png and motion_fit.png into a folder that learn_sensor_model or
+learn_motion_noise wrote with --out."""
+COMPONENTS = [("x", "along (m)"), ("y", "sideways (m)"), ("yaw", "heading (rad)")]
+DISTANCE_BINS = 12
+FEWEST_PER_BIN = 5
+
+
+def read_table(path):
+    try:
+        table = np.genfromtxt(str(path), delimiter=",", names=True, dtype=None, encoding="utf-8")
+    except (ValueError, OSError) as error:
+        raise EvaluationError(f"{path}: not a table that the learning programs write: {error}") from None
+    if table.dtype.names is None or table.size < 2:
+        raise EvaluationError(f"{path}: holds no rows")
+    return table
+
+
+def draw_sensor(table, path):
+    """How often each range was measured in four bands of expected range, and what the tables say."""
+    bands = np.unique(np.column_stack((table["expected_from"], table["expected_to"])), axis=0)
+    figure, axes = new_figure(len(bands), 1, height=2.3 * len(bands))
+    for row, (low, high) in zip(axes[:, 0], bands):
+        part = table[(table["expected_from"] == low) & (table["expected_to"] == high)]
+        width = part["range"][1] - part["range"][0]
+        row.bar(part["range"], part["measured"], width=width, color="#bbbbbb", label="measured")
+        row.plot(part["range"], part["before"], color=colour(1), linestyle="--", label="before")
+        row.plot(part["range"], part["learned"], color=colour(0), label="learned")
+        row.set(yscale="log", ylim=(1e-5, 1.0), ylabel="share of beams")
+        row.set_title(f"expected {low:.2f} to {high:.2f} m", loc="left")
+    axes[0, 0].legend(loc="upper right", ncol=3)
+    axes[-1, 0].set_xlabel("measured range (m); the last one also stands for no return")
+    save(figure, path)
+
+
+def draw_spread(axes, part, component, shade):
+    """Root mean square of the errors, and of the model's sigmas, over the distance driven."""
+    # The true one: odometry's own would sort the motions by their errors.
+    distance = part["distance"] + part["error_x"]
+    edges = np.unique(np.quantile(distance, np.linspace(0, 1, DISTANCE_BINS + 1)))
+    bins = np.clip(np.searchsorted(edges, distance, side="right") - 1, 0, max(len(edges) - 2, 0))
+    rows = []
+    for index in np.unique(bins):
+        here = part[bins == index]
+        if len(here) >= FEWEST_PER_BIN:
+            rows.append((distance[bins == index].mean(), np.sqrt((here["error_" + component] ** 2).mean()),
+                         np.sqrt((here["sigma_" + component] ** 2).mean())))
+    rows = np.array(rows).reshape(-1, 3)
+    axes.plot(rows[:, 0], rows[:, 1], "o", color=TRUTH, markersize=4, label="measured")
+    axes.plot(rows[:, 0], rows[:, 2], color=shade, label="model")
+    axes.set_ylim(bottom=0.0)
+
+
+def draw_ratio(axes, part, component, shade):
+    """Errors in units of the model's sigma against the standard normal."""
+    felt = part["sigma_" + component] > 0.0
+    ratio = part["error_" + component][felt] / part["sigma_" + component][felt]
+    edges = np.linspace(-5, 5, 41)
+    axes.hist(np.clip(ratio, -4.99, 4.99), bins=edges, density=True, color="#bbbbbb")
+    grid = np.linspace(-5, 5, 200)
+    axes.plot(grid, np.exp(-grid ** 2 / 2) / np.sqrt(2 * np.pi), color=shade)
+
+
+def draw_motion(table, path):
+    models = list(dict.fromkeys(table["model"]))
+    figure, axes = new_figure(2 * len(models), 3, height=4.2 * len(models))
+    for index, model in enumerate(models):
+        part, shade = table[table["model"] == model], colour(index)
+        for column, (component, title) in enumerate(COMPONENTS):
+            spread, ratio = axes[2 * index, column], axes[2 * index + 1, column]
+            draw_spread(spread, part, component, shade)
+            draw_ratio(ratio, part, component, shade)
+            spread.set_title(f"{model}: {title}", loc="left")
+            spread.set_xlabel("m driven")
+            ratio.set_xlabel("error / sigma")
+        axes[2 * index, 0].set_ylabel("rms error")
+        axes[2 * index + 1, 0].set_ylabel("density")
+        axes[2 * index, 0].legend()
+    save(figure, path)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="plot_learned", description=DESCRIPTION)
+    parser.add_argument("folder", type=Path)
+    folder = parser.parse_args(arguments).folder
+    drawn = []
+    try:
+        for name, draw in (("sensor_fit", draw_sensor), ("motion_fit", draw_motion)):
+            source = folder / f"{name}.csv"
+            if source.exists():
+                draw(read_table(source), folder / f"{name}.png")
+                drawn.append(folder / f"{name}.png")
+        if not drawn:
+            raise EvaluationError(f"{folder}: holds neither sensor_fit.csv nor motion_fit.csv; "
+                                  "learn_sensor_model and learn_motion_noise write them with --out")
+    except (EvaluationError, OSError) as error:
+        print(f"plot_learned: error: {error}", file=sys.stderr)
+        return 1
+    for path in drawn:
+        print(path)
+    return 0
