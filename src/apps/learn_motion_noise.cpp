@@ -16,7 +16,7 @@
 namespace racecar_mcl {
 namespace {
 
-constexpr std::size_t kFewestMotions = 50;
+constexpr std::size_t kFewestMotions = 20;
 
 struct Options {
   std::vector<std::string> bags;
@@ -30,6 +30,7 @@ struct Options {
   std::vector<std::string> terms{"along_per_metre", "across_per_metre", "yaw_per_metre",
                                  "yaw_per_radian",  "scale_error",      "curvature_error",
                                  "turn_scale_error"};
+  TrajectoryNoise trajectory_noise;
   std::string out;
 };
 
@@ -48,6 +49,11 @@ void addOptions(Options* o, CLI::App* app) {
          "do not. The first alone serves the models constant and differential")
       ->capture_default_str();
   app->add_option("--fit", o->terms, "terms of the ackermann model to learn; the others become 0")
+      ->capture_default_str();
+  app->add_option("--trajectory-sigma", o->trajectory_noise.position,
+                  "m, noise of the trajectory's positions; a localizer's are good to centimetres")
+      ->capture_default_str();
+  app->add_option("--trajectory-yaw-sigma", o->trajectory_noise.yaw, "rad, likewise")
       ->capture_default_str();
   app->add_option(
       "--out", o->out,
@@ -83,7 +89,8 @@ std::vector<MotionSample> samplesOf(const Options& o, const MotionSampler& sampl
       std::ostringstream problem;
       problem << o.trajectory << ": the trajectory " << spanOf(trajectory) << " s and "
               << o.odom_topic << " share " << samples.size() << " motions of " << o.intervals[i]
-              << " s in which the car moves; expected at least " << kFewestMotions;
+              << " s in which the car moves and poses lie at most --max-gap = " << o.max_gap
+              << " s apart; expected at least " << kFewestMotions;
       throw BagError(problem.str());
     }
     all.insert(all.end(), samples.begin(), samples.end());
@@ -115,14 +122,15 @@ std::string yaml(const LocalizerParameters& before, const std::vector<Learned>& 
   return configText(comments, learned, names);
 }
 
-std::string csv(const std::vector<Learned>& models) {
+std::string csv(const std::vector<Learned>& models, const TrajectoryNoise& trajectory) {
   std::ostringstream text;
   text.precision(9);
   text << "model,seconds,distance,rotation,error_x,error_y,error_yaw,sigma_x,sigma_y,sigma_yaw\n";
   for (const Learned& model : models) {
     for (const MotionSample& sample : model.samples) {
-      const Eigen::Array3d sigma =
-          motionCovariance(model.fit.parameters, sample.motion).diagonal().array().sqrt();
+      const Eigen::Matrix3d covariance =
+          motionCovariance(model.fit.parameters, sample.motion) + trajectory.motionCovariance();
+      const Eigen::Array3d sigma = covariance.diagonal().array().sqrt();
       text << model.name << ',' << sample.seconds << ',' << sample.motion.distance << ','
            << sample.motion.rotation;
       for (const double error : sample.error) text << ',' << error;
@@ -159,14 +167,16 @@ void learn(const Options& o) {
       {"constant", samplesOf(o, sampler, trajectory, 1), {}},
       {"differential", samplesOf(o, sampler, trajectory, 1), {}},
       {"ackermann", samplesOf(o, sampler, trajectory, o.intervals.size()), {}}};
-  models[0].fit =
-      fitMotionNoise(models[0].samples, MotionNoise::kConstant, noiseTerms(MotionNoise::kConstant));
+  models[0].fit = fitMotionNoise(models[0].samples, MotionNoise::kConstant,
+                                 noiseTerms(MotionNoise::kConstant), o.trajectory_noise);
   models[1].fit = fitMotionNoise(models[1].samples, MotionNoise::kDifferential,
-                                 noiseTerms(MotionNoise::kDifferential));
-  models[2].fit = fitMotionNoise(models[2].samples, MotionNoise::kAckermann, o.terms);
+                                 noiseTerms(MotionNoise::kDifferential), o.trajectory_noise);
+  models[2].fit =
+      fitMotionNoise(models[2].samples, MotionNoise::kAckermann, o.terms, o.trajectory_noise);
   const std::string config = yaml(parameters, models);
   if (!o.out.empty()) {
-    writeFolder(o.out, {{"motion_noise.yaml", config}, {"motion_fit.csv", csv(models)}});
+    writeFolder(o.out, {{"motion_noise.yaml", config},
+                        {"motion_fit.csv", csv(models, o.trajectory_noise)}});
   }
   std::cout << config << std::flush;
   if (!std::cout) throw std::runtime_error("stdout: the configuration could not be written whole");

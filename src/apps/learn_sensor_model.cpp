@@ -140,12 +140,12 @@ void countBeams(const Options& o, const BagReader& bags, const LaserMount& mount
   }
   if (learner->counts().total() >= kFewestBeams) return;
   std::ostringstream problem;
-  problem << o.trajectory << ": the trajectory " << spanOf(trajectory) << " s has poses for "
-          << learner->scans() << " of " << seen << " scans, taken within ["
-          << formatStamp(first.value_or(0)) << ", " << formatStamp(last.value_or(0)) << "] s, with "
-          << learner->counts().total()
-          << " beams, those from where the car stood left out; expected "
-          << "at least " << kFewestBeams << " beams";
+  problem << o.trajectory << ": the trajectory " << spanOf(trajectory) << " s has poses at most "
+          << "--max-gap = " << o.max_gap << " s apart for " << learner->scans() << " of " << seen
+          << " scans, taken within [" << formatStamp(first.value_or(0)) << ", "
+          << formatStamp(last.value_or(0)) << "] s, with " << learner->counts().total()
+          << " beams; scans of a car that stands are left out; expected at least " << kFewestBeams
+          << " beams";
   throw BagError(problem.str());
 }
 

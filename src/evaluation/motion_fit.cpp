@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -18,8 +19,7 @@ constexpr int kMostIterations = 3000;
 constexpr double kSettled = 1e-6;   // largest change of a term's logarithm, or of a vanishing term
 constexpr double kVanished = 1e-5;  // m or rad, a term below does nothing
 constexpr double kStart = 0.05;
-// m^2 or rad^2, far below any odometry's: keeps covariances invertible where a term vanishes.
-constexpr double kFloor = 1e-12;
+constexpr double kLeastTrajectoryNoise = 1e-6;  // m or rad; covariances stay invertible
 
 const std::vector<Term>& termsOf(MotionNoise model) {
   static const std::vector<Term> constant{{"constant_x_sigma", &Parameters::constant_x_sigma},
@@ -86,8 +86,8 @@ std::vector<std::vector<Eigen::Matrix3d>> unitCovariances(const std::vector<Moti
 
 Eigen::Matrix3d covarianceOf(const Eigen::ArrayXd& variances,
                              const std::vector<std::vector<Eigen::Matrix3d>>& units,
-                             std::size_t sample) {
-  Eigen::Matrix3d covariance = kFloor * Eigen::Matrix3d::Identity();
+                             std::size_t sample, const Eigen::Matrix3d& trajectory) {
+  Eigen::Matrix3d covariance = trajectory;
   for (std::size_t j = 0; j < units.size(); ++j) {
     covariance += variances[static_cast<Eigen::Index>(j)] * units[j][sample];
   }
@@ -147,12 +147,21 @@ std::vector<std::string> noiseTerms(MotionNoise model) {
 }
 
 MotionFit fitMotionNoise(const std::vector<MotionSample>& samples, MotionNoise model,
-                         const std::vector<std::string>& names) {
+                         const std::vector<std::string>& names, const TrajectoryNoise& trajectory) {
   const std::vector<Term> terms = chosenTerms(model, names);
+  for (const double sigma : {trajectory.position, trajectory.yaw}) {
+    if (!(sigma >= kLeastTrajectoryNoise && sigma <= 1000.0)) {
+      std::ostringstream problem;
+      problem << "the trajectory's noise is " << sigma << "; it must lie in ["
+              << kLeastTrajectoryNoise << ", 1000] (m or rad)";
+      throw ParameterError(problem.str());
+    }
+  }
   if (samples.empty()) throw std::invalid_argument("there is no motion to learn from");
   const auto units = unitCovariances(samples, model, terms);
   Eigen::ArrayXd variances =
       Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(terms.size()), kStart * kStart);
+  const Eigen::Matrix3d floor = trajectory.motionCovariance();
   MotionFit fit;
   double change = 1.0;
   while (change > kSettled && fit.iterations < kMostIterations) {
@@ -160,7 +169,7 @@ MotionFit fitMotionNoise(const std::vector<MotionSample>& samples, MotionNoise m
     Eigen::ArrayXd foreseen = Eigen::ArrayXd::Zero(variances.size());
     fit.log_likelihood = 0.0;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const Eigen::Matrix3d covariance = covarianceOf(variances, units, i);
+      const Eigen::Matrix3d covariance = covarianceOf(variances, units, i, floor);
       const Eigen::Matrix3d inverse = covariance.inverse();
       const Eigen::Vector3d weighed = inverse * samples[i].error;
       fit.log_likelihood -= 0.5 * (samples[i].error.dot(weighed) +

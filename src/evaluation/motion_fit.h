@@ -47,6 +47,18 @@ class MotionSampler {
   std::vector<std::optional<Node>> nodes_;  ///< one every kStep; none inside gaps
 };
 
+/// How well the trajectory's own poses are known, as sigmas.
+struct TrajectoryNoise {
+  double position = 0.0005;  ///< m
+  double yaw = 0.0005;       ///< rad
+
+  /// Of the error of a motion between two such poses.
+  Eigen::Matrix3d motionCovariance() const {
+    return Eigen::Vector3d(2.0 * position * position, 2.0 * position * position, 2.0 * yaw * yaw)
+        .asDiagonal();
+  }
+};
+
 struct MotionFit {
   MotionModelParameters parameters;
   int iterations = 0;
@@ -57,15 +69,16 @@ struct MotionFit {
 std::vector<std::string> noiseTerms(MotionNoise model);
 
 /// The values of the named terms under which the errors are most likely, each error a zero-mean
-/// Gaussian of motionCovariance; all other terms of the model are zero. Variances are sums of
-/// squared terms times what each does alone, so that
+/// Gaussian of motionCovariance plus the trajectory's; all other terms of the model are zero.
+/// Variances are sums of squared terms times what each does alone, so that
 ///
 ///   term^2 <- term^2 sqrt(sum(e' C^-1 A C^-1 e) / sum(trace(C^-1 A)))
 ///
 /// with A the covariance of the term alone climbs the likelihood (Zhou et al., MM algorithms for
 /// variance components models, 2019). Throws ParameterError on a name the model does not have and
-/// std::invalid_argument where there is no motion.
+/// on a trajectory noise that is not positive, std::invalid_argument where there is no motion.
 MotionFit fitMotionNoise(const std::vector<MotionSample>& samples, MotionNoise model,
-                         const std::vector<std::string>& terms);
+                         const std::vector<std::string>& terms,
+                         const TrajectoryNoise& trajectory = {});
 
 }  // namespace racecar_mcl

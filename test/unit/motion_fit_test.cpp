@@ -104,10 +104,31 @@ TEST(FitMotionNoise, FindsNoNoiseWhereThereIsNoneAndTermsThatNoMotionFeels) {
   EXPECT_NO_THROW(validate(fit.parameters));
 }
 
-TEST(FitMotionNoise, RefusesUnknownTermsAndNoMotion) {
+TEST(FitMotionNoise, LeavesTheNoiseOfTheTrajectoryToTheTrajectory) {
+  Random random(4);
+  MotionModelParameters truth;
+  truth.motion_model = MotionNoise::kConstant;
+  truth.constant_x_sigma = truth.constant_y_sigma = truth.constant_yaw_sigma = 0.003;
+  std::vector<MotionSample> samples = sampleModel(truth, 5000, &random);
+  for (MotionSample& sample : samples) {
+    // Of both ends of a motion.
+    sample.error +=
+        std::sqrt(2.0) * Eigen::Vector3d(0.02 * random.gaussian(), 0.02 * random.gaussian(),
+                                         0.01 * random.gaussian());
+  }
+  const MotionFit fit = fitMotionNoise(samples, MotionNoise::kConstant,
+                                       noiseTerms(MotionNoise::kConstant), {0.02, 0.01});
+  expectWithinTenPercent(fit.parameters.constant_x_sigma, 0.003);
+  expectWithinTenPercent(fit.parameters.constant_y_sigma, 0.003);
+  expectWithinTenPercent(fit.parameters.constant_yaw_sigma, 0.003);
+}
+
+TEST(FitMotionNoise, RefusesUnknownTermsBadNoiseAndNoMotion) {
   Random random(5);
   const std::vector<MotionSample> samples = sampleModel({}, 10, &random);
   EXPECT_THROW(fitMotionNoise(samples, MotionNoise::kAckermann, {"constant_x_sigma"}),
+               ParameterError);
+  EXPECT_THROW(fitMotionNoise(samples, MotionNoise::kConstant, {"constant_x_sigma"}, {0.0, 0.01}),
                ParameterError);
   EXPECT_THROW(fitMotionNoise({}, MotionNoise::kConstant, {"constant_x_sigma"}),
                std::invalid_argument);
