@@ -64,6 +64,7 @@ class BagReader {
   /// event, naming the frames that the bags do hold where this way is not among them.
   void forEach(const std::string& scan_topic, const TfFrames& frames,
                const std::function<void(const BagEvent&)>& visit) const;
+
   /// Those of one topic, in the order of record time. Throws as forEach.
   void forEachScan(const std::string& topic,
                    const std::function<void(const sensor_msgs::LaserScan&)>& visit) const;
