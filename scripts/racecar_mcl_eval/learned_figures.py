@@ -1,6 +1,7 @@
 """scripts/plot_learned: the learned constants against the data they were learned from."""
 import argparse
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -11,16 +12,24 @@ from .style import TRUTH, colour, new_figure, save
 DESCRIPTION = """Draws sensor_fit.png and motion_fit.png into a folder that learn_sensor_model or
 learn_motion_noise wrote with --out."""
 COMPONENTS = [("x", "along (m)"), ("y", "sideways (m)"), ("yaw", "heading (rad)")]
+SENSOR_COLUMNS = ["expected_from", "expected_to", "range", "measured", "learned", "before"]
+MOTION_COLUMNS = ["model", "distance", *(f"{kind}_{name}" for kind in ("error", "sigma")
+                                         for name, _ in COMPONENTS)]
 DISTANCE_BINS = 12
 FEWEST_PER_BIN = 5
 
 
-def read_table(path):
+def read_table(path, columns):
     try:
-        table = np.genfromtxt(str(path), delimiter=",", names=True, dtype=None, encoding="utf-8")
-    except (ValueError, OSError) as error:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # numpy only warns of an empty file
+            table = np.genfromtxt(str(path), delimiter=",", names=True, dtype=None, encoding="utf-8")
+    except (ValueError, IndexError, OSError, Warning) as error:
         raise EvaluationError(f"{path}: not a table that the learning programs write: {error}") from None
-    if table.dtype.names is None or table.size < 2:
+    missing = [name for name in columns if name not in (table.dtype.names or ())]
+    if missing:
+        raise EvaluationError(f"{path}: lacks the column {missing[0]}; the learning programs write it")
+    if table.size < 2:
         raise EvaluationError(f"{path}: holds no rows")
     return table
 
@@ -94,10 +103,11 @@ def main(arguments=None):
     folder = parser.parse_args(arguments).folder
     drawn = []
     try:
-        for name, draw in (("sensor_fit", draw_sensor), ("motion_fit", draw_motion)):
+        for name, columns, draw in (("sensor_fit", SENSOR_COLUMNS, draw_sensor),
+                                    ("motion_fit", MOTION_COLUMNS, draw_motion)):
             source = folder / f"{name}.csv"
             if source.exists():
-                draw(read_table(source), folder / f"{name}.png")
+                draw(read_table(source, columns), folder / f"{name}.png")
                 drawn.append(folder / f"{name}.png")
         if not drawn:
             raise EvaluationError(f"{folder}: holds neither sensor_fit.csv nor motion_fit.csv; "
