@@ -24,6 +24,8 @@ struct Options {
   std::string config;
   std::vector<std::string> settings;
   std::string odom_topic = "/vesc/odom";
+  std::string odom_frame = "odom";
+  std::string base_frame = "base_link";
   std::string motion_from;
   double max_gap = 0.5;
   std::vector<double> intervals{0.1, 0.4, 1.0};  ///< s
@@ -40,7 +42,12 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--config", o->config, "parameters as a YAML file");
   app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
   app->add_option("--odom-topic", o->odom_topic, "nav_msgs/Odometry")->capture_default_str();
-  app->add_option("--motion-from", o->motion_from, "twist or pose: what of odometry is believed");
+  app->add_option("--odom-frame", o->odom_frame, "with --motion-from tf, the odometry's frame")
+      ->capture_default_str();
+  app->add_option("--base-frame", o->base_frame, "with --motion-from tf, the car's frame")
+      ->capture_default_str();
+  app->add_option("--motion-from", o->motion_from,
+                  "twist, pose or tf: what odometry is taken from");
   app->add_option("--max-gap", o->max_gap, "s that poses of the trajectory may lie apart")
       ->capture_default_str();
   app->add_option(
@@ -70,13 +77,23 @@ struct Learned {
 MotionSampler readMotions(const Options& o, const BagReader& bags, const Trajectory& trajectory,
                           const OdometryParameters& parameters) {
   MotionSampler sampler(trajectory, parameters, o.max_gap);
-  bags.forEachOdometry(o.odom_topic, [&](const nav_msgs::Odometry& message) {
+  const auto take = [&](const nav_msgs::Odometry& message) {
     const Nanoseconds stamp = toNanoseconds(message.header.stamp);
     if (sampler.add(toOdometrySample(message), stamp) == OdometryOutcome::kTimeJumpedBack) {
-      throw BagError(o.odom_topic + ": time jumps back to " + formatStamp(stamp) +
+      throw BagError("the odometry's time jumps back to " + formatStamp(stamp) +
                      " s; expected one drive whose stamps rise");
     }
-  });
+  };
+  if (parameters.motion_from != MotionFrom::kTf) {
+    bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
+    bags.forEachOdometry(o.odom_topic, take);
+  } else {
+    const TfFrames frames{o.odom_frame, o.base_frame, parameters.clock_jump};
+    // Of the scans none are asked for.
+    bags.forEach("", frames, [&](const BagEvent& event) {
+      if (event.odometry) take(*event.odometry);
+    });
+  }
   return sampler;
 }
 
@@ -87,8 +104,8 @@ std::vector<MotionSample> samplesOf(const Options& o, const MotionSampler& sampl
     const std::vector<MotionSample> samples = sampler.samples(o.intervals[i]);
     if (samples.size() < kFewestMotions) {
       std::ostringstream problem;
-      problem << o.trajectory << ": the trajectory " << spanOf(trajectory) << " s and "
-              << o.odom_topic << " share " << samples.size() << " motions of " << o.intervals[i]
+      problem << o.trajectory << ": the trajectory " << spanOf(trajectory)
+              << " s and the odometry share " << samples.size() << " motions of " << o.intervals[i]
               << " s in which the car moves and poses lie at most --max-gap = " << o.max_gap
               << " s apart; expected at least " << kFewestMotions;
       throw BagError(problem.str());
@@ -160,8 +177,6 @@ void learn(const Options& o) {
   validate(parameters);
   const Trajectory trajectory = readTum(o.trajectory);
   const BagReader bags(o.bags);
-  bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
-
   const MotionSampler sampler = readMotions(o, bags, trajectory, parameters.odometry);
   std::vector<Learned> models{
       {"constant", samplesOf(o, sampler, trajectory, 1), {}},

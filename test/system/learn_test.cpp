@@ -149,6 +149,20 @@ TEST_F(Learn, MotionNoiseOfSimulatedOdometry) {
   EXPECT_EQ(readWhole(path("out/motion_fit.csv")).substr(0, 14), "model,seconds,");
 }
 
+TEST_F(Learn, MotionNoiseOfOdometryFromTfIsThatOfThePosesItHolds) {
+  simulate({"--duration", "25", "--odom-noise", "0.4"});
+  const auto learnFrom = [&](const std::string& what) {
+    const ProgramResult result = runProgram(
+        LEARN_MOTION_NOISE_PROGRAM,
+        {"--bag", path("sim.bag"), "--trajectory", path("sim.tum"), "--motion-from", what});
+    return configOf(result).motion;
+  };
+  const MotionModelParameters from_tf = learnFrom("tf"), from_poses = learnFrom("pose");
+  EXPECT_GT(from_tf.constant_x_sigma, 0.0);
+  EXPECT_NEAR(from_tf.constant_x_sigma, from_poses.constant_x_sigma, 1e-5);
+  EXPECT_NEAR(from_tf.constant_yaw_sigma, from_poses.constant_yaw_sigma, 1e-5);
+}
+
 TEST_F(Learn, BadInputIsOneLineOfErrorAndLeavesNothing) {
   writeSampledDrive({});
   const std::string bag = path("drive.bag");
