@@ -73,12 +73,12 @@ TEST(FitMotionNoise, RecoversTheMainTermsOfTheAckermannModel) {
   truth.along_per_metre = 0.05;
   truth.across_per_metre = 0.03;
   truth.yaw_per_metre = 0.03;
-  truth.yaw_per_radian = 0.05;
+  truth.yaw_per_radian = 0.12;
   truth.scale_error = 0.06;
   truth.curvature_error = 0.05;
   truth.turn_scale_error = 0.15;
   const MotionFit fit =
-      fitMotionNoise(sampleModel(truth, 20000, &random), MotionNoise::kAckermann,
+      fitMotionNoise(sampleModel(truth, 40000, &random), MotionNoise::kAckermann,
                      {"along_per_metre", "across_per_metre", "yaw_per_metre", "yaw_per_radian",
                       "scale_error", "curvature_error", "turn_scale_error"});
   expectWithinTenPercent(fit.parameters.along_per_metre, truth.along_per_metre);
