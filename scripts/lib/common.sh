@@ -23,15 +23,15 @@ wanted_packages() {
     local name
     for name in ackermann-msgs catkin diagnostic-msgs geometry-msgs nav-msgs nodelet pluginlib rosbag \
       roscpp rosgraph-msgs roslaunch rosnode rosout rospy rosservice rostest rostopic rviz sensor-msgs \
-      std-msgs std-srvs tf2 tf2-msgs tf2-ros visualization-msgs; do
+      std-msgs std-srvs tf2 tf2-msgs tf2-py tf2-ros visualization-msgs; do
       echo "ros-noetic-$name"
     done
   else
     echo catkin libnodelet-dev libnodeletlib-dev libnodeletlib-tools pluginlib-dev librosbag-dev \
       librostest-dev libtf2-msgs-dev libtf2-ros-dev python3-diagnostic-msgs python3-nav-msgs \
       python3-rosbag python3-roslaunch python3-rosnode python3-rospy python3-rosservice python3-rostest \
-      python3-rostopic python3-sensor-msgs python3-std-srvs python3-tf2-msgs \
-      python3-visualization-msgs ros-core-dev rosbash rosout rviz
+      python3-rostopic python3-sensor-msgs python3-std-srvs python3-tf2 \
+      python3-tf2-msgs python3-visualization-msgs ros-core-dev rosbash rosout rviz
   fi
 }
 
