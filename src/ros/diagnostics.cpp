@@ -5,9 +5,6 @@
 namespace racecar_mcl {
 namespace {
 
-// Silence after which an input counts as missing.
-constexpr double kSilent = 2.0;  // s
-
 struct Summary {
   diagnostic_msgs::DiagnosticStatus::_level_type level;
   std::string message;
@@ -46,9 +43,6 @@ Summary summarize(const NodeStatus& s) {
   using Status = diagnostic_msgs::DiagnosticStatus;
   if (!s.has_map) return {Status::WARN, "waiting for a map"};
   if (!s.started) return {Status::WARN, "waiting for a start pose"};
-  if (s.seconds_since_scan > kSilent) return {Status::WARN, "no scans"};
-  if (s.seconds_since_odometry > kSilent) return {Status::WARN, "no odometry"};
-  if (s.counters.scans_used == 0) return {Status::WARN, "no scan could be used yet"};
   return {levelOf(s.verdict.state), describe(s.verdict.state) + ": " + s.verdict.reason};
 }
 

@@ -24,10 +24,8 @@ struct NodeStatus {
   std::uint64_t starts_refused = 0;    ///< start poses that could not be used
   std::uint64_t maps_refused = 0;      ///< maps that could not be used
   std::string last_problem;            ///< the newest of the above in words
-  double seconds_since_scan = 0.0;     ///< s, of wall time; since the node's start before the first
-  double seconds_since_odometry = 0.0;  ///< s, of wall time
-  double latency_p50 = 0.0;             ///< s, from a scan's arrival to its tf
-  double latency_p99 = 0.0;             ///< s
+  double latency_p50 = 0.0;            ///< s, from a scan's arrival to its tf
+  double latency_p99 = 0.0;            ///< s
   double effective_sample_size = 0.0;
   int particles = 0;
   int beams = 0;

@@ -12,6 +12,8 @@ namespace {
 
 // A stamp this far from the clock is not of now: a bag's, or a mistake.
 constexpr double kOtherTime = 10.0;  // s
+// How often it is asked whether the inputs have fallen silent.
+constexpr double kVerdictPeriod = 0.1;  // s, of wall time
 
 ros::TransportHints lowLatency() { return ros::TransportHints().tcpNoDelay(); }
 
@@ -30,8 +32,7 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
       node_(node),
       name_(private_node.getNamespace()),
       localizer_(parameters_.localizer, static_cast<std::uint64_t>(parameters_.seed)),
-      last_scan_arrival_(ros::WallTime::now()),
-      last_odometry_arrival_(ros::WallTime::now()),
+      silence_(parameters_.max_silence),
       output_(node, parameters_),
       laser_mounts_(parameters_),
       tf_odometry_(parameters_.odom_frame, parameters_.particle_filter_frame,
@@ -49,11 +50,14 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
       node_.advertiseService("global_localization", &LocalizationNode::onGlobalLocalization, this),
       node_.advertiseService("request_nomotion_update", &LocalizationNode::onNoMotionUpdate, this),
       node_.advertiseService("set_map", &LocalizationNode::onSetMap, this)};
+  verdict_timer_ = node_.createWallTimer(ros::WallDuration(kVerdictPeriod),
+                                         &LocalizationNode::onVerdictTimer, this);
   diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0 / parameters_.diagnostics_rate),
                                              &LocalizationNode::onDiagnosticsTimer, this);
 }
 
 LocalizationNode::~LocalizationNode() {
+  verdict_timer_.stop();
   diagnostics_timer_.stop();
   for (ros::Subscriber& subscriber : subscribers_) subscriber.shutdown();
   for (ros::ServiceServer& service : services_) service.shutdown();
@@ -91,13 +95,13 @@ void LocalizationNode::onOdometry(const nav_msgs::OdometryConstPtr& message) {
   bool started;
   {
     const std::lock_guard<std::mutex> lock(timeline_mutex_);
-    last_odometry_arrival_ = ros::WallTime::now();
     outcome = localizer_.addOdometry(sample);
     started = localizer_.initialized();
     odometry_frame_ = stripLeadingSlash(message->child_frame_id);
     if (outcome == OdometryOutcome::kUsed || outcome == OdometryOutcome::kGap ||
         outcome == OdometryOutcome::kTimeJumpedBack) {
       newest_odometry_stamp_ = sample.stamp;
+      silence_.hearOdometry(ros::Time::now().toSec());
       if (isFinite(sample.base_in_odom)) {
         base_in_odom_ = sample.base_in_odom;
         base_in_odom_stamp_ = sample.stamp;
@@ -138,14 +142,12 @@ void LocalizationNode::checkOdometryFrames(const nav_msgs::Odometry& message,
 
 void LocalizationNode::onScan(const sensor_msgs::LaserScanConstPtr& message) {
   if (isStampRefused("scan", message->header.stamp)) return;
-  const ros::WallTime now = ros::WallTime::now();
-  const bool replaced = newest_scan_.put({message, now});
-  {
-    const std::lock_guard<std::mutex> lock(timeline_mutex_);
-    last_scan_arrival_ = now;
-    if (replaced) ++status_.scans_superseded;
+  if (!newest_scan_.put({message, ros::WallTime::now()})) {
+    worker_.post([this] { processScan(); });
+    return;
   }
-  if (!replaced) worker_.post([this] { processScan(); });
+  const std::lock_guard<std::mutex> lock(timeline_mutex_);
+  ++status_.scans_superseded;
 }
 
 void LocalizationNode::onMap(const nav_msgs::OccupancyGridConstPtr& message) {
@@ -243,6 +245,7 @@ void LocalizationNode::start(const PoseEstimate& pose) {
     refuse(&NodeStatus::starts_refused, std::string("start refused: ") + error.what());
     return;
   }
+  publishVerdict();
   ROS_INFO("localizing from (%.3f m, %.3f m, %.3f rad)", pose.base_in_map.x, pose.base_in_map.y,
            pose.base_in_map.yaw);
 }
@@ -254,6 +257,7 @@ void LocalizationNode::startGlobally() {
     started = localizer_.initializeGlobally();
   }
   if (started) {
+    publishVerdict();
     ROS_INFO("localizing globally: the car may be anywhere on the map");
   } else {
     refuse(&NodeStatus::starts_refused, "global localization needs a map first");
@@ -308,18 +312,17 @@ void LocalizationNode::refuse(std::uint64_t NodeStatus::*counter, const std::str
   note(problem, counter);
 }
 
+void LocalizationNode::onVerdictTimer(const ros::WallTimerEvent&) { publishVerdict(); }
+
 void LocalizationNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
   NodeStatus status;
   {
     const std::lock_guard<std::mutex> lock(timeline_mutex_);
-    const ros::WallTime now = ros::WallTime::now();
     status_.has_map = localizer_.hasMap();
     status_.started = localizer_.initialized();
     status_.counters = localizer_.counters();
-    status_.seconds_since_scan = (now - last_scan_arrival_).toSec();
-    status_.seconds_since_odometry = (now - last_odometry_arrival_).toSec();
     status_.latency_p50 = latency_.quantile(0.5);
     status_.latency_p99 = latency_.quantile(0.99);
     status = status_;

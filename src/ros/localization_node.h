@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "racecar_mcl/localizer.h"
+#include "racecar_mcl/silence.h"
 #include "ros/conversions.h"
 #include "ros/diagnostics.h"
 #include "ros/laser_mounts.h"
@@ -59,6 +60,7 @@ class LocalizationNode {
   bool onGlobalLocalization(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
   bool onNoMotionUpdate(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
   bool onSetMap(nav_msgs::SetMap::Request& request, nav_msgs::SetMap::Response& response);
+  void onVerdictTimer(const ros::WallTimerEvent&);
   void onDiagnosticsTimer(const ros::WallTimerEvent&);
 
   // The worker's tasks.
@@ -74,6 +76,7 @@ class LocalizationNode {
   std::optional<Scan> readScan(const sensor_msgs::LaserScan& message, LaserMount* mount);
   void waitForOdometry(double stamp);
   void publishPose(bool after_scan);
+  void publishVerdict();
   void broadcast(const PoseEstimate& estimate, double stamp);
   void noteScan(const ScanResult& result, ros::WallTime arrival);
   void reportDropped(ScanOutcome outcome);
@@ -94,8 +97,7 @@ class LocalizationNode {
   Localizer localizer_;
   NodeStatus status_;
   LatencyWindow latency_;
-  ros::WallTime last_scan_arrival_;
-  ros::WallTime last_odometry_arrival_;
+  SilenceWatch silence_;  ///< by ROS time: a bag that is paused is not silent
   double last_published_stamp_ = 0.0;
   std::optional<double> newest_odometry_stamp_;
   std::string odometry_frame_;         ///< the frame that odometry says it moves
@@ -117,6 +119,7 @@ class LocalizationNode {
   ros::Publisher diagnostics_publisher_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
+  ros::WallTimer verdict_timer_;
   ros::WallTimer diagnostics_timer_;
 };
 

@@ -16,6 +16,12 @@ constexpr double kOdometryStale = 0.5;  // s
 // Two poses of one stamp cannot both enter tf; the second is stamped, and carried, this much later.
 constexpr double kStampStep = 1e-6;  // s
 
+/// Whether the scan was held against the map.
+bool wasJudged(ScanOutcome outcome) {
+  return outcome == ScanOutcome::kUsed || outcome == ScanOutcome::kParked ||
+         outcome == ScanOutcome::kWeightsVanished;
+}
+
 }  // namespace
 
 std::optional<Scan> LocalizationNode::readScan(const sensor_msgs::LaserScan& message,
@@ -61,9 +67,9 @@ void LocalizationNode::processScan() {
   {
     const std::lock_guard<std::mutex> lock(timeline_mutex_);
     result = localizer_.commitScan(task);
-    status_.verdict = result.verdict;
+    if (wasJudged(result.outcome)) silence_.hearScan(ros::Time::now().toSec());
   }
-  output_.publishVerdict(result.verdict);
+  publishVerdict();
   if (result.outcome == ScanOutcome::kTimeJumpedBack) restartAfterTimeJump(scan->stamp);
   if (result.outcome != ScanOutcome::kUsed && result.outcome != ScanOutcome::kParked) {
     reportDropped(result.outcome);
@@ -127,6 +133,13 @@ void LocalizationNode::publishPose(bool after_scan) {
   last_published_stamp_ = stamp;
   broadcast(*estimate, stamp);
   output_.publishPose(*estimate, localizer_.twist(), stamp, after_scan);
+}
+
+void LocalizationNode::publishVerdict() {
+  const std::lock_guard<std::mutex> lock(timeline_mutex_);
+  if (!localizer_.initialized()) return;
+  status_.verdict = silence_.judge(localizer_.verdict(), ros::Time::now().toSec());
+  output_.publishVerdict(status_.verdict);
 }
 
 void LocalizationNode::broadcast(const PoseEstimate& estimate, double stamp) {

@@ -100,6 +100,8 @@ bool setNodeParameter(const std::string& name, const std::string& text, NodePara
     p->global_start = parseFlag(name, text);
   } else if (name == "seed") {
     p->seed = parseCount(name, text);
+  } else if (name == "max_silence") {
+    p->max_silence = parseNumber(name, text);
   } else if (name == "visualization_rate") {
     p->visualization_rate = parseNumber(name, text);
   } else if (name == "diagnostics_rate") {
@@ -115,6 +117,8 @@ void validate(const NodeParameters& p) {
   std::ostringstream problem;
   if (p.transform_tolerance < 0.0 || p.transform_tolerance > 1.0) {
     problem << "transform_tolerance is " << p.transform_tolerance << " s; it must lie in [0, 1]";
+  } else if (p.max_silence <= 0.0) {
+    problem << "max_silence is " << p.max_silence << " s; it must be positive";
   } else if (p.visualization_rate <= 0.0) {
     problem << "visualization_rate is " << p.visualization_rate << " Hz; it must be positive";
   } else if (p.diagnostics_rate <= 0.0) {

@@ -29,6 +29,8 @@ struct NodeParameters {
   std::optional<Pose2> initial_pose;  ///< "x y yaw"; start here, and again when a bag loops
   bool global_start = false;          ///< start anywhere on the map
   int seed = 1;
+  double max_silence = 1.0;  ///< s without a usable scan or odometry; then what was localized is
+                             ///< degraded
   double visualization_rate = 10.0;  ///< Hz, at most; particles, markers and scans
   double diagnostics_rate = 1.0;     ///< Hz
 };

@@ -8,39 +8,11 @@
 #include <set>
 
 #include "racecar_mcl/errors.h"
+#include "support/ear.h"
 #include "support/localization_fixture.h"
 
 namespace racecar_mcl {
 namespace {
-
-/// Keeps the newest message of one topic.
-template <typename Message>
-class Newest {
- public:
-  Newest(ros::NodeHandle node, const std::string& topic)
-      : subscriber_(
-            node.subscribe<Message>(topic, 10, [this](const boost::shared_ptr<Message const>& m) {
-              const std::lock_guard<std::mutex> lock(mutex_);
-              message_ = m;
-              ++count_;
-            })) {}
-  ~Newest() { subscriber_.shutdown(); }
-
-  boost::shared_ptr<Message const> get() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return message_;
-  }
-  int count() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return count_;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  boost::shared_ptr<Message const> message_;
-  int count_ = 0;
-  ros::Subscriber subscriber_;
-};
 
 class LocalizationContractTest : public LocalizationTest {
  protected:
@@ -86,6 +58,7 @@ TEST_F(LocalizationContractTest, AdvertisesEveryTopicWithItsType) {
   std::map<std::string, std::string> types;
   for (const auto& topic : topics) types[topic.name] = topic.datatype;
   EXPECT_EQ(types[namespace_ + "/pf/pose/odom"], "nav_msgs/Odometry");
+  EXPECT_EQ(types[namespace_ + "/pf/verdict"], "diagnostic_msgs/DiagnosticStatus");
   EXPECT_EQ(types[namespace_ + "/pf/viz/inferred_pose"], "geometry_msgs/PoseStamped");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particles"], "geometry_msgs/PoseArray");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particle_markers"], "visualization_msgs/MarkerArray");
@@ -161,35 +134,35 @@ TEST_F(LocalizationContractTest, TfHoldsForEveryStampAsSoonAsAMessageCarriesIt) 
 TEST_F(LocalizationContractTest, AmclPoseIsLatched) {
   startLocalized();
   drive(0.5);
-  const Newest<geometry_msgs::PoseWithCovarianceStamped> late(handle_, "amcl_pose");
-  ASSERT_TRUE(listener_.waitFor([&] { return late.get() != nullptr; }));
-  EXPECT_EQ(late.get()->header.frame_id, "map");
-  EXPECT_LT(distance(toPose2(late.get()->pose.pose), car_.baseInMap()), 0.1);
-  EXPECT_GT(late.get()->pose.covariance[35], 0.0);
+  const Ear<geometry_msgs::PoseWithCovarianceStamped> late(handle_, "amcl_pose");
+  ASSERT_TRUE(listener_.waitFor([&] { return late.count() > 0; }));
+  EXPECT_EQ(late.newest().header.frame_id, "map");
+  EXPECT_LT(distance(toPose2(late.newest().pose.pose), car_.baseInMap()), 0.1);
+  EXPECT_GT(late.newest().pose.covariance[35], 0.0);
 }
 
 TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
   startLocalized();
   drive(1.0);
-  const Newest<geometry_msgs::PoseStamped> pose(handle_, "pf/viz/inferred_pose");
-  const Newest<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
-  const Newest<visualization_msgs::MarkerArray> markers(handle_, "pf/viz/particle_markers");
-  const Newest<visualization_msgs::MarkerArray> clusters(handle_, "pf/viz/clusters");
-  const Newest<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
-  const Newest<sensor_msgs::LaserScan> fake_scan(handle_, "pf/viz/fake_scan");
+  const Ear<geometry_msgs::PoseStamped> pose(handle_, "pf/viz/inferred_pose");
+  const Ear<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
+  const Ear<visualization_msgs::MarkerArray> markers(handle_, "pf/viz/particle_markers");
+  const Ear<visualization_msgs::MarkerArray> clusters(handle_, "pf/viz/clusters");
+  const Ear<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
+  const Ear<sensor_msgs::LaserScan> fake_scan(handle_, "pf/viz/fake_scan");
   ASSERT_TRUE(listener_.waitFor([&] {
     drive(0.04);
-    return pose.get() && particles.get() && markers.get() && clusters.get() && scan.get() &&
-           fake_scan.get();
+    return pose.count() > 0 && particles.count() > 0 && markers.count() > 0 &&
+           clusters.count() > 0 && scan.count() > 0 && fake_scan.count() > 0;
   }));
-  EXPECT_EQ(pose.get()->header.frame_id, "map");
-  EXPECT_LT(distance(toPose2(pose.get()->pose), car_.baseInMap()), 0.15);
-  EXPECT_EQ(particles.get()->header.frame_id, "map");
-  EXPECT_EQ(particles.get()->poses.size(), 200U);
-  ASSERT_EQ(markers.get()->markers.size(), 1U);
-  EXPECT_EQ(markers.get()->markers[0].header.frame_id, "map");
-  EXPECT_EQ(markers.get()->markers[0].points.size(), markers.get()->markers[0].colors.size());
-  const auto& places = clusters.get()->markers;
+  EXPECT_EQ(pose.newest().header.frame_id, "map");
+  EXPECT_LT(distance(toPose2(pose.newest().pose), car_.baseInMap()), 0.15);
+  EXPECT_EQ(particles.newest().header.frame_id, "map");
+  EXPECT_EQ(particles.newest().poses.size(), 200U);
+  ASSERT_EQ(markers.newest().markers.size(), 1U);
+  EXPECT_EQ(markers.newest().markers[0].header.frame_id, "map");
+  EXPECT_EQ(markers.newest().markers[0].points.size(), markers.newest().markers[0].colors.size());
+  const auto& places = clusters.newest().markers;
   ASSERT_GE(places.size(), 3U) << "one that deletes, and two for each cluster";
   EXPECT_EQ(places[0].action, visualization_msgs::Marker::DELETEALL);
   EXPECT_EQ(places[1].header.frame_id, "map");
@@ -197,20 +170,20 @@ TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
   EXPECT_LT(distance(toPose2(places[1].pose), car_.baseInMap()), 0.2);
   EXPECT_EQ(places[2].ns, "weights");
   EXPECT_GT(std::atof(places[2].text.c_str()), 0.5);
-  EXPECT_EQ(scan.get()->header.frame_id, "laser");
-  EXPECT_EQ(fake_scan.get()->header.frame_id, "laser");
-  ASSERT_EQ(fake_scan.get()->ranges.size(), scan.get()->ranges.size());
+  EXPECT_EQ(scan.newest().header.frame_id, "laser");
+  EXPECT_EQ(fake_scan.newest().header.frame_id, "laser");
+  ASSERT_EQ(fake_scan.newest().ranges.size(), scan.newest().ranges.size());
   int alike = 0;
-  for (std::size_t i = 0; i < scan.get()->ranges.size(); ++i) {
-    alike += std::abs(fake_scan.get()->ranges[i] - scan.get()->ranges[i]) < 0.2f;
+  for (std::size_t i = 0; i < scan.newest().ranges.size(); ++i) {
+    alike += std::abs(fake_scan.newest().ranges[i] - scan.newest().ranges[i]) < 0.2f;
   }
-  EXPECT_GT(alike, static_cast<int>(scan.get()->ranges.size() * 8 / 10));
+  EXPECT_GT(alike, static_cast<int>(scan.newest().ranges.size() * 8 / 10));
 }
 
 TEST_F(LocalizationContractTest, ShowsNothingMoreOftenThanVisualizationRate) {
   parameters_.setParam("visualization_rate", 5.0);
   startLocalized();
-  const Newest<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
+  const Ear<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
   const ros::WallTime begin = ros::WallTime::now();
   drive(4.0);
   EXPECT_GE(particles.count(), 1);
@@ -232,8 +205,6 @@ TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
   EXPECT_GT(std::atof(listener_.diagnostic("scan to tf p50 (ms)").c_str()), 0.0);
   EXPECT_LE(std::atof(listener_.diagnostic("scan to tf p50 (ms)").c_str()),
             std::atof(listener_.diagnostic("scan to tf p99 (ms)").c_str()));
-  EXPECT_TRUE(listener_.waitFor([&] { return listener_.diagnostics().message == "no scans"; }))
-      << "after 2 s of silence";
 }
 
 TEST_F(LocalizationContractTest, WarnsOnceWhereSomebodyElsePublishesAParentOfBaseLink) {
@@ -317,12 +288,12 @@ TEST_F(LocalizationContractTest, StripsLeadingSlashesOfFrames) {
   car_.laser_frame = "/laser";
   car_.base_frame = "/base_link";
   car_.odom_frame = "/odom";
-  const Newest<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
+  const Ear<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
   expectStillLocalizes();
   expectCarAt("base_link");
   EXPECT_EQ(listener_.poses().back().header.frame_id, "map");
-  ASSERT_TRUE(scan.get());
-  EXPECT_EQ(scan.get()->header.frame_id, "laser");
+  ASSERT_GT(scan.count(), 0);
+  EXPECT_EQ(scan.newest().header.frame_id, "laser");
 }
 
 TEST_F(LocalizationContractTest, HonoursAnUpsideDownLidar) {

@@ -159,6 +159,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongParameter{"EqualFrames", {"_particle_filter_frame:=map"}, "must differ"},
         WrongParameter{"NegativeTolerance", {"_transform_tolerance:=-1.0"}, "transform_tolerance"},
         WrongParameter{"HugeSeed", {"_seed:=1e300"}, "seed"},
+        WrongParameter{"NoSilence", {"_max_silence:=0"}, "max_silence is 0"},
         WrongParameter{"NoRate", {"_diagnostics_rate:=0.0"}, "diagnostics_rate is 0"}),
     [](const auto& wrong) { return wrong.param.name; });
 

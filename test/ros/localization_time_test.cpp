@@ -84,5 +84,18 @@ TEST_F(LocalizationTimeTest, LocalizesOnWhileTheClockStandsStill) {
   EXPECT_TRUE(listener_.waitForLog("the scan is empty")) << "at time 0 too";
 }
 
+TEST_F(LocalizationTimeTest, TakesAPausedBagForNoSilence) {
+  parameters_.setParam("max_silence", 0.4);
+  startLocalized();
+  drive(1.0);
+  ASSERT_TRUE(listener_.waitForDiagnostic("verdict", "localized"));
+  ros::WallDuration(1.0).sleep();
+  EXPECT_EQ(listener_.diagnostic("verdict"), "localized") << "the clock stands still";
+  car_.setStamp(car_.stamp() + 0.5);
+  publishClock();
+  EXPECT_TRUE(listener_.waitForDiagnostic("verdict", "degraded"));
+  EXPECT_EQ(listener_.diagnostic("reason"), "no usable scan for 0.5 s");
+}
+
 }  // namespace
 }  // namespace racecar_mcl

@@ -26,39 +26,9 @@
 
 #include "ros/conversions.h"
 #include "ros/simulator_node.h"
+#include "support/ear.h"
 
 namespace racecar_mcl {
-
-/// Keeps the newest message of a topic, and counts.
-template <typename Message>
-class Ear {
- public:
-  Ear(ros::NodeHandle& node, const std::string& topic)
-      : subscriber_(node.subscribe<Message>(
-            topic, 50, [this](const boost::shared_ptr<const Message>& message) {
-              const std::lock_guard<std::mutex> lock(mutex_);
-              newest_ = *message;
-              ++count_;
-            })) {}
-  ~Ear() { subscriber_.shutdown(); }
-  Ear(const Ear&) = delete;
-  Ear& operator=(const Ear&) = delete;
-
-  Message newest() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return newest_;
-  }
-  int count() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return count_;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  Message newest_;
-  int count_ = 0;
-  ros::Subscriber subscriber_;
-};
 
 /// The node's callbacks run in one thread, the test's in another. Topics and parameters lie in a
 /// namespace of the test's name. The car stands at the corridor's start until it is commanded.
