@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/trajectory.h"
 #include "racecar_mcl/parameters.h"
 
 namespace racecar_mcl {
@@ -16,12 +15,6 @@ inline double toFourDigits(double value) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.4g", value);
   return std::stod(text);
-}
-
-/// "[first, last]" in seconds.
-inline std::string spanOf(const Trajectory& trajectory) {
-  return "[" + formatStamp(trajectory.front().stamp) + ", " + formatStamp(trajectory.back().stamp) +
-         "]";
 }
 
 /// YAML: comment lines, the parameters named, and all others that are not the defaults.

@@ -1,9 +1,11 @@
 // Localizes over recorded bags, without a ROS master and as fast as it goes, and says how well.
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/version.hpp>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -43,6 +45,7 @@ constexpr double kTruthYawSigma = 0.05;  // rad
 
 struct Options {
   std::vector<std::string> bags;
+  BagSpan span;
   std::string map;
   std::string out;
   std::string config;
@@ -71,10 +74,14 @@ void addOptions(Options* o, CLI::App* app) {
       ->required();
   app->add_option("--config", o->config, "parameters as a YAML file");
   app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  app->add_option("--start", o->span.start, "begin so many s into the recording")
+      ->capture_default_str();
+  app->add_option("--duration", o->span.duration, "and end so many s later [at the end]");
   CLI::Option* pose = app->add_option("--initial-pose", o->initial_pose,
                                       "\"x y yaw\" in the map, at the first message");
   CLI::Option* from_truth = app->add_flag("--initial-pose-from-truth", o->initial_pose_from_truth,
-                                          "start from the truth's first pose, when it holds");
+                                          "start from the truth's first pose, when it holds; "
+                                          "with --start its first from there on");
   app->add_flag("--global", o->global, "start anywhere on the map; so does no start at all")
       ->excludes(pose)
       ->excludes(from_truth);
@@ -130,21 +137,33 @@ std::optional<Trajectory> readTruth(const Options& o, const BagReader& bags) {
   return std::nullopt;
 }
 
-std::optional<TimedStart> startFromTruth(const std::optional<Trajectory>& truth) {
+/// From the first pose that holds at `begin` or later.
+std::optional<TimedStart> startFromTruth(const std::optional<Trajectory>& truth,
+                                         Nanoseconds begin) {
   if (!truth) {
     throw ParameterError(std::string("--initial-pose-from-truth needs --truth or ") + kTruthTopic +
                          " in the bag");
   }
-  TimedStart start{truth->front().stamp, {truth->front().pose, Eigen::Matrix3d::Zero()}};
+  const auto first = std::find_if(truth->begin(), truth->end(),
+                                  [&](const StampedPose& pose) { return pose.stamp >= begin; });
+  if (first == truth->end()) {
+    throw TrajectoryError("the truth covers " + spanOf(*truth) + " s and so no pose from " +
+                          formatStamp(begin) + " s on, where --start lies");
+  }
+  TimedStart start{first->stamp, {first->pose, Eigen::Matrix3d::Zero()}};
   start.estimate.covariance.diagonal() << kTruthSigma * kTruthSigma, kTruthSigma * kTruthSigma,
       kTruthYawSigma * kTruthYawSigma;
   return start;
 }
 
 /// Starts the localizer now, or says when it is to be started.
-std::optional<TimedStart> start(const Options& o, const std::optional<Trajectory>& truth,
-                                Localizer* localizer) {
-  if (o.initial_pose_from_truth) return startFromTruth(truth);
+std::optional<TimedStart> start(const Options& o, const BagReader& bags,
+                                const std::optional<Trajectory>& truth, Localizer* localizer) {
+  if (o.initial_pose_from_truth) {
+    const bool at_beginning = o.span.start == 0.0;
+    return startFromTruth(truth, at_beginning ? std::numeric_limits<Nanoseconds>::min()
+                                              : bags.firstScanStamp(o.scan_topic));
+  }
   if (!o.initial_pose.empty()) {
     localizer->initialize({parsePose("--initial-pose", o.initial_pose), Eigen::Matrix3d::Zero()});
   } else {
@@ -153,18 +172,13 @@ std::optional<TimedStart> start(const Options& o, const std::optional<Trajectory
   return std::nullopt;
 }
 
-std::string span(const Trajectory& trajectory) {
-  return "[" + formatStamp(trajectory.front().stamp) + ", " + formatStamp(trajectory.back().stamp) +
-         "]";
-}
-
 std::optional<TrajectoryErrors> errorsOf(const Trajectory& estimate,
                                          const std::optional<Trajectory>& truth, double max_gap) {
   if (!truth) return std::nullopt;
   const TrajectoryErrors errors = compareTrajectories(estimate, *truth, max_gap);
   if (errors.stamps_used == 0) {
-    throw TrajectoryError("no error can be taken: the truth covers " + span(*truth) +
-                          " s, the estimate " + span(estimate) + " s, and " +
+    throw TrajectoryError("no error can be taken: the truth covers " + spanOf(*truth) +
+                          " s, the estimate " + spanOf(estimate) + " s, and " +
                           std::to_string(errors.stamps_skipped) +
                           " stamps in common lie in gaps over --max-gap");
   }
@@ -177,16 +191,24 @@ void warnAbout(const ReplayRecord& record) {
             << " scans are not usable; the first because " << record.first_refusal << std::endl;
 }
 
+void validate(const Options& o) {
+  const auto require = [](bool holds, const std::string& option, double value, const char* must) {
+    if (!holds) {
+      throw ParameterError(option + " is " + std::to_string(value) + " s; it must " + must);
+    }
+  };
+  require(o.max_gap >= 0.0, "--max-gap", o.max_gap, "not be negative");
+  require(o.span.start >= 0.0, "--start", o.span.start, "not be negative");
+  require(o.span.duration > 0.0, "--duration", o.span.duration, "be positive");
+}
+
 void replay(const Options& o) {
-  if (!(o.max_gap >= 0.0)) {
-    throw ParameterError("--max-gap is " + std::to_string(o.max_gap) +
-                         " s; it must not be negative");
-  }
+  validate(o);
   const LocalizerParameters parameters = parametersOf(o);
   Localizer localizer(parameters, o.seed);
   localizer.setMap(makeMapModel(loadMap(o.map), parameters));
 
-  const BagReader bags(o.bags);
+  const BagReader bags(o.bags, o.span);
   bags.requireTopic(o.scan_topic, "sensor_msgs/LaserScan", "--scan-topic");
   const bool from_tf = parameters.odometry.motion_from == MotionFrom::kTf;
   if (!from_tf) bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
@@ -200,7 +222,7 @@ void replay(const Options& o) {
   }
   input.mount = o.laser_pose.empty() ? bags.laserMount(o.scan_topic, o.base_frame)
                                      : LaserMount{parsePose("--laser-pose", o.laser_pose), false};
-  input.start = start(o, truth, &localizer);
+  input.start = start(o, bags, truth, &localizer);
 
   std::unique_ptr<ProgressBar> bar;
   if (isatty(STDERR_FILENO) != 0) {

@@ -56,6 +56,11 @@ std::string formatStamp(Nanoseconds stamp) {
   return text;
 }
 
+std::string spanOf(const Trajectory& trajectory) {
+  return "[" + formatStamp(trajectory.front().stamp) + ", " + formatStamp(trajectory.back().stamp) +
+         "]";
+}
+
 Trajectory inOrder(std::vector<StampedPose> poses) {
   std::stable_sort(poses.begin(), poses.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });

@@ -33,6 +33,9 @@ struct TrajectoryError : std::runtime_error {
 /// Seconds with nine digits behind the point.
 std::string formatStamp(Nanoseconds stamp);
 
+/// "[first, last]" in seconds, of a trajectory that is not empty.
+std::string spanOf(const Trajectory& trajectory);
+
 /// Sorts by stamp and keeps the first of those with the same.
 Trajectory inOrder(std::vector<StampedPose> poses);
 

@@ -201,6 +201,63 @@ TEST_F(Replay, startsFromATruthThatBeginsMidDriveBetweenOdometryMessages) {
   EXPECT_EQ(summary["scans_used"], 20) << "scans before the start are seen, not used";
 }
 
+TEST_F(Replay, beginsAndEndsWhereItIsTold) {
+  const Arguments part{"--bag", record("a.bag"), "--start", "1", "--duration", "2"};
+  const auto with = [&part](Arguments more) {
+    more.insert(more.begin(), part.begin(), part.end());
+    return more;
+  };
+  const nlohmann::json summary = summaryOf(with({"--initial-pose-from-truth"}));
+  EXPECT_EQ(summary["scans_seen"], 21);
+  EXPECT_EQ(summary["scans_used"], 21) << "started at the first of them";
+  EXPECT_EQ(summary["odometry_seen"], 101);
+  EXPECT_NEAR(summary["duration_s"], 2.0, 1e-6);
+  EXPECT_LT(summary["position_error_m"]["max"], 0.1) << "started where the car was by then";
+  const Trajectory trajectory = readTum(path("out/trajectory.tum"));
+  EXPECT_EQ(trajectory.front().stamp, 1500000001000000000);
+  EXPECT_EQ(trajectory.back().stamp, 1500000003000000000);
+
+  EXPECT_LT(summaryOf(with({"--global"}))["position_error_m"]["final"], 0.1);
+  const Pose2 there = poseInRoom(1.0);
+  std::ostringstream pose;
+  pose << there.x << ' ' << there.y << ' ' << there.yaw;
+  EXPECT_LT(summaryOf(with({"--initial-pose", pose.str()}))["position_error_m"]["final"], 0.1);
+}
+
+TEST_F(Replay, countsTheStartFromTheBeginningOfTheEarliestBag) {
+  RoomDrive early;
+  early.seconds = 2.0;
+  RoomDrive late;
+  late.begin = 2.02;
+  const nlohmann::json summary =
+      summaryOf({"--bag", record("2.bag", late), "--bag", record("1.bag", early), "--start", "1.5",
+                 "--initial-pose-from-truth"});
+  EXPECT_NEAR(summary["duration_s"], 2.5, 1e-6);
+  EXPECT_LT(summary["position_error_m"]["max"], 0.1);
+}
+
+TEST_F(Replay, takesTfFromBeforeTheStart) {
+  RoomDrive drive;
+  drive.odometry_as_tf = true;
+  const nlohmann::json summary = summaryOf({"--bag", record("a.bag", drive), "--motion-from", "tf",
+                                            "--start", "1", "--initial-pose-from-truth"});
+  EXPECT_EQ(summary["odometry_seen"], 151);
+  EXPECT_LT(summary["position_error_m"]["max"], 0.1);
+}
+
+TEST_F(Replay, refusesAStartBeyondTheRecordingOrTheTruth) {
+  const std::string bag = record("a.bag");
+  expectError(replay({"--bag", bag, "--start", "4"}), {"from 4 s on", "lasts 4 s"});
+  expectError(replay({"--bag", bag, "--start", "-1"}), {"--start is -1"});
+  expectError(replay({"--bag", bag, "--start", "nan"}), {"--start"});
+  expectError(replay({"--bag", bag, "--duration", "0"}), {"--duration is 0"});
+  expectError(replay({"--bag", bag, "--start", "1.01", "--duration", "0.01"}),
+              {"/scan holds no scan within the time asked for"});
+  expectError(replay({"--bag", bag, "--start", "2", "--initial-pose-from-truth", "--truth",
+                      folder_.write("t.tum", "1500000001 0 0 0 0 0 0 1\n")}),
+              {"the truth covers", "1500000002.000000000 s on"});
+}
+
 TEST_F(Replay, readsFramesWithALeadingSlash) {
   RoomDrive drive;
   drive.frame_prefix = "/";

@@ -1,7 +1,6 @@
 #include "bag_reader.h"
 
 #include <rosbag/query.h>
-#include <rosbag/view.h>
 #include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
@@ -9,6 +8,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 
 namespace racecar_mcl {
 namespace {
@@ -54,7 +54,7 @@ void insertTransforms(const tf2_msgs::TFMessage& message, bool is_static,
 
 }  // namespace
 
-BagReader::BagReader(const std::vector<std::string>& paths) {
+BagReader::BagReader(const std::vector<std::string>& paths, const BagSpan& span) {
   for (const std::string& path : paths) {
     auto bag = std::make_unique<rosbag::Bag>();
     try {
@@ -67,6 +67,30 @@ BagReader::BagReader(const std::vector<std::string>& paths) {
     }
     bags_.push_back({path, std::move(bag)});
   }
+  interval_ = intervalOf(span);
+}
+
+BagReader::Interval BagReader::intervalOf(const BagSpan& span) const {
+  Interval all{ros::TIME_MAX, ros::TIME_MIN};
+  for (const NamedBag& named : bags_) {
+    rosbag::View view(*named.bag);
+    if (view.size() == 0) continue;
+    all.from = std::min(all.from, view.getBeginTime());
+    all.to = std::max(all.to, view.getEndTime());
+  }
+  const double lasts = all.from <= all.to ? (all.to - all.from).toSec() : 0.0;
+  if (span.start > 0.0 && span.start >= lasts) {
+    std::ostringstream problem;
+    problem << names() << ": nothing was recorded from " << span.start
+            << " s on; the recording lasts " << lasts << " s";
+    throw BagError(problem.str());
+  }
+  Interval interval;
+  if (span.start > 0.0) interval.from = all.from + ros::Duration(span.start);
+  if (span.start + span.duration < lasts) {
+    interval.to = all.from + ros::Duration(span.start + span.duration);
+  }
+  return interval;
 }
 
 std::string BagReader::names() const {
@@ -110,20 +134,22 @@ void BagReader::requireTopic(const std::string& topic, const std::string& type,
 
 std::size_t BagReader::count(const std::vector<std::string>& topics) const {
   rosbag::View view;
-  for (const NamedBag& named : bags_) {
-    view.addQuery(*named.bag, rosbag::TopicQuery(spellings(topics)));
-  }
+  addQueries(topics, interval_, &view);
   return view.size();
 }
 
-void BagReader::visitMessages(
-    const std::vector<std::string>& topics,
-    const std::function<bool(const rosbag::MessageInstance&)>& visit) const {
+void BagReader::addQueries(const std::vector<std::string>& topics, const Interval& interval,
+                           rosbag::View* view) const {
+  for (const NamedBag& named : bags_) {
+    view->addQuery(*named.bag, rosbag::TopicQuery(spellings(topics)), interval.from, interval.to);
+  }
+}
+
+void BagReader::visitMessages(const std::vector<std::string>& topics, const Interval& interval,
+                              const Visit& visit) const {
   try {
     rosbag::View view;
-    for (const NamedBag& named : bags_) {
-      view.addQuery(*named.bag, rosbag::TopicQuery(spellings(topics)));
-    }
+    addQueries(topics, interval, &view);
     for (const rosbag::MessageInstance& instance : view) {
       if (!visit(instance)) return;
     }
@@ -152,7 +178,7 @@ void BagReader::forEach(const std::string& scan_topic, const TfFrames& frames,
 std::unique_ptr<TfOdometry> BagReader::tfOdometry(const TfFrames& frames) const {
   auto odometry = std::make_unique<TfOdometry>(stripLeadingSlash(frames.odom),
                                                stripLeadingSlash(frames.base), frames.clock_jump);
-  visitMessages({"/tf_static"}, [&](const rosbag::MessageInstance& instance) {
+  visitMessages({"/tf_static"}, Interval{}, [&](const rosbag::MessageInstance& instance) {
     odometry->add(*read<tf2_msgs::TFMessage>(instance), true);
     return true;
   });
@@ -163,7 +189,7 @@ void BagReader::requireOdometry(const TfFrames& frames) const {
   const std::unique_ptr<TfOdometry> odometry = tfOdometry(frames);
   std::set<std::string> known;
   bool found = false;
-  visitMessages({"/tf"}, [&](const rosbag::MessageInstance& instance) {
+  visitMessages({"/tf"}, Interval{}, [&](const rosbag::MessageInstance& instance) {
     const auto message = read<tf2_msgs::TFMessage>(instance);
     for (const geometry_msgs::TransformStamped& transform : message->transforms) {
       known.insert(stripLeadingSlash(transform.header.frame_id) + " -> " +
@@ -188,25 +214,26 @@ void BagReader::forEach(
     for (const BagEvent& scan : scans) visit(scan);
     scans.clear();
   };
-  visitMessages({scan_topic, odometry_topic}, [&](const rosbag::MessageInstance& instance) {
-    BagEvent event;
-    event.recorded = instance.getTime();
-    if (!scans.empty() && event.recorded != scans.front().recorded) flush();
-    if (sameTopic(instance.getTopic(), scan_topic)) {
-      event.scan = read<sensor_msgs::LaserScan>(instance);
-      scans.push_back(event);
-    } else {
-      event.odometry = odometry_of(instance);
-      if (event.odometry) visit(event);
-    }
-    return true;
-  });
+  visitMessages({scan_topic, odometry_topic}, interval_,
+                [&](const rosbag::MessageInstance& instance) {
+                  BagEvent event;
+                  event.recorded = instance.getTime();
+                  if (!scans.empty() && event.recorded != scans.front().recorded) flush();
+                  if (sameTopic(instance.getTopic(), scan_topic)) {
+                    event.scan = read<sensor_msgs::LaserScan>(instance);
+                    scans.push_back(event);
+                  } else {
+                    event.odometry = odometry_of(instance);
+                    if (event.odometry) visit(event);
+                  }
+                  return true;
+                });
   flush();
 }
 
 void BagReader::forEachScan(const std::string& topic,
                             const std::function<void(const sensor_msgs::LaserScan&)>& visit) const {
-  visitMessages({topic}, [&](const rosbag::MessageInstance& instance) {
+  visitMessages({topic}, interval_, [&](const rosbag::MessageInstance& instance) {
     visit(*read<sensor_msgs::LaserScan>(instance));
     return true;
   });
@@ -214,38 +241,50 @@ void BagReader::forEachScan(const std::string& topic,
 
 void BagReader::forEachOdometry(const std::string& topic,
                                 const std::function<void(const nav_msgs::Odometry&)>& visit) const {
-  visitMessages({topic}, [&](const rosbag::MessageInstance& instance) {
+  visitMessages({topic}, interval_, [&](const rosbag::MessageInstance& instance) {
     visit(*read<nav_msgs::Odometry>(instance));
     return true;
   });
 }
 
+sensor_msgs::LaserScan::ConstPtr BagReader::firstScan(const std::string& topic) const {
+  sensor_msgs::LaserScan::ConstPtr scan;
+  visitMessages({topic}, interval_, [&](const rosbag::MessageInstance& instance) {
+    scan = read<sensor_msgs::LaserScan>(instance);
+    return false;
+  });
+  if (!scan) throw BagError(names() + ": " + topic + " holds no scan within the time asked for");
+  return scan;
+}
+
+Nanoseconds BagReader::firstScanStamp(const std::string& topic) const {
+  return toNanoseconds(firstScan(topic)->header.stamp);
+}
+
 Trajectory BagReader::readPoses(const std::string& topic) const {
   std::vector<StampedPose> poses;
-  forEachOdometry(topic, [&](const nav_msgs::Odometry& message) {
-    poses.push_back({toNanoseconds(message.header.stamp), toPose2(message.pose.pose)});
+  visitMessages({topic}, Interval{}, [&](const rosbag::MessageInstance& instance) {
+    const auto message = read<nav_msgs::Odometry>(instance);
+    poses.push_back({toNanoseconds(message->header.stamp), toPose2(message->pose.pose)});
+    return true;
   });
   return inOrder(std::move(poses));
 }
 
 LaserMount BagReader::laserMount(const std::string& scan_topic,
                                  const std::string& base_frame) const {
-  std::string laser_frame;
-  visitMessages({scan_topic}, [&](const rosbag::MessageInstance& instance) {
-    laser_frame = stripLeadingSlash(read<sensor_msgs::LaserScan>(instance)->header.frame_id);
-    return false;
-  });
+  const std::string laser_frame = stripLeadingSlash(firstScan(scan_topic)->header.frame_id);
   const std::string base = stripLeadingSlash(base_frame);
 
   tf2::BufferCore transforms;
-  visitMessages({"/tf_static"}, [&](const rosbag::MessageInstance& instance) {
+  visitMessages({"/tf_static"}, Interval{}, [&](const rosbag::MessageInstance& instance) {
     insertTransforms(*read<tf2_msgs::TFMessage>(instance), true, &transforms);
     return true;
   });
   const auto known = [&] { return transforms.canTransform(base, laser_frame, ros::Time(0)); };
   bool found = known();
   if (!found) {
-    visitMessages({"/tf"}, [&](const rosbag::MessageInstance& instance) {
+    visitMessages({"/tf"}, Interval{}, [&](const rosbag::MessageInstance& instance) {
       insertTransforms(*read<tf2_msgs::TFMessage>(instance), false, &transforms);
       found = known();
       return !found;

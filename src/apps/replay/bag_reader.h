@@ -4,10 +4,13 @@
 
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
+#include <rosbag/view.h>
 #include <sensor_msgs/LaserScan.h>
 
 #include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -41,10 +44,18 @@ struct TfFrames {
   double clock_jump = 1.0;  ///< s; see TfOdometry
 };
 
+/// A part of the recorded time, counted from the beginning of the earliest bag.
+struct BagSpan {
+  double start = 0.0;                                         ///< s
+  double duration = std::numeric_limits<double>::infinity();  ///< s
+};
+
 class BagReader {
  public:
-  /// Throws BagError naming the bag that cannot be read.
-  explicit BagReader(const std::vector<std::string>& paths);
+  /// Of scans and odometry, only those recorded within the span are visited and counted; transforms
+  /// and readPoses are of all. Throws BagError naming the bag that cannot be read, and where
+  /// nothing was recorded within the span.
+  explicit BagReader(const std::vector<std::string>& paths, const BagSpan& span = {});
 
   /// Throws BagError where no bag holds this topic with this type (as in sensor_msgs/LaserScan);
   /// `option` is the command-line option that names another.
@@ -71,6 +82,9 @@ class BagReader {
   void forEachOdometry(const std::string& topic,
                        const std::function<void(const nav_msgs::Odometry&)>& visit) const;
 
+  /// The header stamp of the first scan. Throws BagError where there is none.
+  Nanoseconds firstScanStamp(const std::string& topic) const;
+
   /// The poses of an odometry topic, by header stamp.
   Trajectory readPoses(const std::string& topic) const;
 
@@ -84,9 +98,21 @@ class BagReader {
     std::unique_ptr<rosbag::Bag> bag;
   };
 
+  using Visit = std::function<bool(const rosbag::MessageInstance&)>;
+
+  /// Record times, both included; all of them by default.
+  struct Interval {
+    ros::Time from = ros::TIME_MIN;
+    ros::Time to = ros::TIME_MAX;
+  };
+
+  Interval intervalOf(const BagSpan& span) const;
+  void addQueries(const std::vector<std::string>& topics, const Interval& interval,
+                  rosbag::View* view) const;
   /// Calls visit(message) in the order of record time until it returns false.
-  void visitMessages(const std::vector<std::string>& topics,
-                     const std::function<bool(const rosbag::MessageInstance&)>& visit) const;
+  void visitMessages(const std::vector<std::string>& topics, const Interval& interval,
+                     const Visit& visit) const;
+  sensor_msgs::LaserScan::ConstPtr firstScan(const std::string& topic) const;
   /// Calls `visit` for scans, and for the odometry that `odometry_of` makes of other messages.
   void forEach(
       const std::string& scan_topic, const std::string& odometry_topic,
@@ -99,6 +125,7 @@ class BagReader {
   std::string names() const;
 
   std::vector<NamedBag> bags_;
+  Interval interval_;
 };
 
 }  // namespace racecar_mcl
