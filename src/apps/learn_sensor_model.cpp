@@ -224,8 +224,9 @@ void learn(const Options& o) {
   const Trajectory trajectory = readTum(o.trajectory);
   const BagReader bags(o.bags);
   bags.requireTopic(o.scan_topic, "sensor_msgs/LaserScan", "--scan-topic");
-  const LaserMount mount = o.laser_pose.empty() ? bags.laserMount(o.scan_topic, o.base_frame)
-                                                : LaserMount{parsePose(o.laser_pose), false};
+  const LaserMount mount = o.laser_pose.empty()
+                               ? bags.laserMount(o.scan_topic, o.base_frame)
+                               : LaserMount{parsePose("--laser-pose", o.laser_pose), false};
 
   Learner learner(parameters, grid, trajectory, o.max_gap);
   countBeams(o, bags, mount, trajectory, &learner);

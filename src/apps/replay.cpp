@@ -8,7 +8,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,6 +32,7 @@ using ProgressBar = boost::progress_display;
 #include "racecar_mcl/parameters.h"
 #include "replay_outputs.h"
 #include "replay_run.h"
+#include "ros/node_parameters.h"
 #include "video.h"
 
 namespace racecar_mcl {
@@ -111,17 +111,6 @@ void addOptions(Options* o, CLI::App* app) {
       ->capture_default_str();
   app->footer(std::string("Without --truth, ") + kTruthTopic +
               " (nav_msgs/Odometry) is the truth where a bag holds it.");
-}
-
-Pose2 parsePose(const std::string& option, const std::string& text) {
-  std::istringstream fields(text);
-  Pose2 pose;
-  std::string rest;
-  if (!(fields >> pose.x >> pose.y >> pose.yaw) || fields >> rest) {
-    throw ParameterError(option + " is '" + text + "'; expected \"x y yaw\" (m, m, rad)");
-  }
-  pose.yaw = wrapAngle(pose.yaw);
-  return pose;
 }
 
 LocalizerParameters parametersOf(const Options& o) {

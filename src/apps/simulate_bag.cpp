@@ -90,7 +90,7 @@ void validate(Options& o) {
   if (o.laps == 0 && o.duration == 0.0) o.duration = 60.0;
   o.simulator.odometry.noise = {o.odometry_noise, o.odometry_noise, o.odometry_noise};
   o.simulator.validate();
-  if (!o.start.empty()) o.scene.start = parsePose(o.start);
+  if (!o.start.empty()) o.scene.start = parsePose("--start", o.start);
   o.scene.seed = o.seed;
   o.scene.car = o.simulator.car;
   o.follower.side = o.follow_right ? sim::Side::kRight : sim::Side::kLeft;

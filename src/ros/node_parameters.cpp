@@ -95,7 +95,7 @@ bool setNodeParameter(const std::string& name, const std::string& text, NodePara
   } else if (name == "transform_tolerance") {
     p->transform_tolerance = parseNumber(name, text);
   } else if (name == "initial_pose") {
-    if (!text.empty()) p->initial_pose = parsePose(text);
+    if (!text.empty()) p->initial_pose = parsePose(name, text);
   } else if (name == "global_start") {
     p->global_start = parseFlag(name, text);
   } else if (name == "seed") {
@@ -139,12 +139,13 @@ void validate(const NodeParameters& p) {
 
 }  // namespace
 
-Pose2 parsePose(const std::string& text) {
+Pose2 parsePose(const std::string& name, const std::string& text) {
   std::istringstream stream(text);
   Pose2 pose;
   if (!(stream >> pose.x >> pose.y >> pose.yaw) || !(stream >> std::ws).eof() || !isFinite(pose)) {
-    throw ParameterError("the pose '" + text + "' is not 'x y yaw' in metres and radians");
+    refuse(name, text, "'x y yaw' in metres and radians");
   }
+  pose.yaw = wrapAngle(pose.yaw);
   return pose;
 }
 

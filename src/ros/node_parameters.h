@@ -39,7 +39,8 @@ struct NodeParameters {
 /// that does not exist, a wrong type, a value out of range, or values that contradict each other.
 NodeParameters readNodeParameters(const ros::NodeHandle& private_node);
 
-/// "x y yaw" in metres and radians. Throws ParameterError on anything else.
-Pose2 parsePose(const std::string& text);
+/// "x y yaw" in metres and radians, given as the parameter or option `name`. Throws ParameterError
+/// on anything else.
+Pose2 parsePose(const std::string& name, const std::string& text);
 
 }  // namespace racecar_mcl

@@ -92,7 +92,7 @@ SimulatorNodeParameters readSimulatorParameters(const ros::NodeHandle& private_n
                              {"commands", Driver::kCommands}});
   p.follower.side =
       choose<sim::Side>("side", p.side, {{"left", sim::Side::kLeft}, {"right", sim::Side::kRight}});
-  if (!p.start.empty()) p.scene.start = parsePose(p.start);
+  if (!p.start.empty()) p.scene.start = parsePose("start", p.start);
   p.scene.seed = static_cast<std::uint64_t>(p.seed);
   sim::LidarParameters& lidar = p.simulator.lidar;
   lidar.sweep_time = lidar.field_of_view / (2.0 * kPi) / lidar.rate;  // its mirror turns evenly
