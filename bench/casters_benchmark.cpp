@@ -2,14 +2,14 @@
 // traversal, memory. Prints a table; takes Google Benchmark's options, such as
 // --benchmark_filter=simd.
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <filesystem>
 #include <functional>
 #include <map>
 
 #include "basement_map.h"
-#include "markdown_reporter.h"
+#include "cpu_time.h"
+#include "markdown_table.h"
 #include "pose_patterns.h"
 #include "racecar_mcl/map_io.h"
 #include "racecar_mcl/range_caster.h"
@@ -19,13 +19,6 @@ namespace racecar_mcl::bench {
 namespace {
 
 constexpr double kMaxRangeCells = 200.0;
-
-/// CPU time of this thread: what else runs on the machine does not count.
-double cpuSeconds() {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 const Eigen::ArrayXf& bearings() {
   static const Eigen::ArrayXf fan = Eigen::ArrayXf::LinSpaced(100, -2.3562F, 2.3562F);  // 270 deg
@@ -216,18 +209,14 @@ void registerAll() {
 }  // namespace racecar_mcl::bench
 
 int main(int argc, char** argv) {
-  using racecar_mcl::bench::MarkdownReporter;
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  racecar_mcl::bench::registerAll();
-  MarkdownReporter reporter({"map", "poses", "caster"}, {{"ns", "ns per ray", 1},
-                                                         {"median", "median error, cells", 4},
-                                                         {"p95", "p95", 4},
-                                                         {"p99.9", "p99.9", 4},
-                                                         {"over3", "% off by > 3 cells", 3},
-                                                         {"build_ms", "build, ms", 0},
-                                                         {"longest_ms", "longest scan, ms", 1},
-                                                         {"MB", "MB", 1}});
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-  return 0;
+  return racecar_mcl::bench::printTable(argc, argv, racecar_mcl::bench::registerAll,
+                                        {"map", "poses", "caster"},
+                                        {{"ns", "ns per ray", 1},
+                                         {"median", "median error, cells", 4},
+                                         {"p95", "p95", 4},
+                                         {"p99.9", "p99.9", 4},
+                                         {"over3", "% off by > 3 cells", 3},
+                                         {"build_ms", "build, ms", 0},
+                                         {"longest_ms", "longest scan, ms", 1},
+                                         {"MB", "MB", 1}});
 }

@@ -2,7 +2,6 @@
 // caster, particles, beams and threads. Prints a table; takes Google Benchmark's options, such as
 // --benchmark_filter=panorama.
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +9,8 @@
 #include <map>
 
 #include "basement_map.h"
-#include "markdown_reporter.h"
+#include "cpu_time.h"
+#include "markdown_table.h"
 #include "pose_patterns.h"
 #include "racecar_mcl/particle_filter.h"
 #include "racecar_mcl/range_caster.h"
@@ -24,13 +24,6 @@ constexpr float kSensorRange = 10.0F;       // m
 constexpr double kRangeNoise = 0.02;        // m
 constexpr double kScanPeriod = 1.0 / 40.0;  // s
 constexpr double kBresenhamRays = 3e7;  // after which the slow caster has been timed well enough
-
-/// CPU time of all threads of this process: what else runs on the machine does not count.
-double cpuSeconds() {
-  timespec time;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 double wallSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -164,17 +157,12 @@ void registerAll() {
 }  // namespace racecar_mcl::bench
 
 int main(int argc, char** argv) {
-  using racecar_mcl::bench::MarkdownReporter;
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  racecar_mcl::bench::registerAll();
-  MarkdownReporter reporter({"model", "caster", "particles", "beams", "threads"},
-                            {{"cpu_ms", "CPU ms, median", 3},
-                             {"worst_ms", "CPU ms, worst", 2},
-                             {"wall_ms", "wall ms, median", 3},
-                             {"best_ms", "wall ms, best", 3},
-                             {"ns", "CPU ns per beam", 2},
-                             {"error", "worst error, m", 3}});
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-  return 0;
+  return racecar_mcl::bench::printTable(argc, argv, racecar_mcl::bench::registerAll,
+                                        {"model", "caster", "particles", "beams", "threads"},
+                                        {{"cpu_ms", "CPU ms, median", 3},
+                                         {"worst_ms", "CPU ms, worst", 2},
+                                         {"wall_ms", "wall ms, median", 3},
+                                         {"best_ms", "wall ms, best", 3},
+                                         {"ns", "CPU ns per beam", 2},
+                                         {"error", "worst error, m", 3}});
 }

@@ -1,10 +1,27 @@
-#include "markdown_reporter.h"
+#include "markdown_table.h"
+
+#include <benchmark/benchmark.h>
 
 #include <iomanip>
 #include <ostream>
 #include <sstream>
+#include <utility>
 
 namespace racecar_mcl::bench {
+namespace {
+
+class MarkdownReporter : public benchmark::BenchmarkReporter {
+ public:
+  MarkdownReporter(std::vector<std::string> name_titles, std::vector<Column> columns)
+      : name_titles_(std::move(name_titles)), columns_(std::move(columns)) {}
+
+  bool ReportContext(const Context& context) override;
+  void ReportRuns(const std::vector<Run>& runs) override;
+
+ private:
+  std::vector<std::string> name_titles_;
+  std::vector<Column> columns_;
+};
 
 bool MarkdownReporter::ReportContext(const Context& /*context*/) {
   std::ostream& out = GetOutputStream();
@@ -41,6 +58,18 @@ void MarkdownReporter::ReportRuns(const std::vector<Run>& runs) {
     }
     out << std::endl;
   }
+}
+
+}  // namespace
+
+int printTable(int argc, char** argv, void (*register_all)(),
+               const std::vector<std::string>& name_titles, const std::vector<Column>& columns) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  register_all();
+  MarkdownReporter reporter(name_titles, columns);
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  return 0;
 }
 
 }  // namespace racecar_mcl::bench

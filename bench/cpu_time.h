@@ -1,0 +1,14 @@
+// CPU time of all threads of this process: what else runs on the machine does not count.
+#pragma once
+
+#include <time.h>
+
+namespace racecar_mcl::bench {
+
+inline double cpuSeconds() {
+  timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace racecar_mcl::bench
