@@ -43,6 +43,25 @@ struct Options {
   bool verbose = false;
 };
 
+void addOptions(Options* o, CLI::App* app) {
+  app->add_option("--map", o->maps, "YAML files of maps; each is driven on")->required();
+  std::vector<std::string> names;
+  for (const auto& trouble : kTroubles) names.push_back(trouble.first);
+  app->add_option("--trouble", o->troubles, "what happens on the drives")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app->add_option("--drives", o->drives, "per map and trouble")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--seed", o->seed, "of the first drive; each has its own")->capture_default_str();
+  app->add_option("--speed", o->speed, "m/s")->capture_default_str();
+  app->add_option("--before", o->before, "s, driven before the trouble")->capture_default_str();
+  app->add_option("--after", o->after, "s, driven with it")->capture_default_str();
+  app->add_option("--config", o->config, "parameters as a YAML file");
+  app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  app->add_flag("--verbose", o->verbose, "a line per scan");
+}
+
 /// What is seen of one drive, in s since its trouble began.
 class Watch {
  public:
@@ -196,25 +215,8 @@ void run(const Options& options) {
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  racecar_mcl::Options options;
-  CLI::App app("Simulated drives with trouble: whether the localizer finds itself, and says so.",
-               "evaluate_drives");
-  app.add_option("--map", options.maps, "YAML files of maps; each is driven on")->required();
-  std::vector<std::string> names;
-  for (const auto& trouble : racecar_mcl::kTroubles) names.push_back(trouble.first);
-  app.add_option("--trouble", options.troubles, "what happens on the drives")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
-  app.add_option("--drives", options.drives, "per map and trouble")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--seed", options.seed, "of the first drive; each has its own")
-      ->capture_default_str();
-  app.add_option("--speed", options.speed, "m/s")->capture_default_str();
-  app.add_option("--before", options.before, "s, driven before the trouble")->capture_default_str();
-  app.add_option("--after", options.after, "s, driven with it")->capture_default_str();
-  app.add_option("--config", options.config, "parameters as a YAML file");
-  app.add_option("--set", options.settings, "a parameter as name:=value; after --config");
-  app.add_flag("--verbose", options.verbose, "a line per scan");
-  return racecar_mcl::runProgram(app, argc, argv, [&] { racecar_mcl::run(options); });
+  return racecar_mcl::runProgram(
+      argc, argv, "evaluate_drives",
+      "Simulated drives with trouble: whether the localizer finds itself, and says so.",
+      racecar_mcl::addOptions, racecar_mcl::run);
 }

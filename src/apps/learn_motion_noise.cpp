@@ -201,9 +201,8 @@ void learn(const Options& o) {
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  racecar_mcl::Options options;
-  CLI::App app("Learns the noise of the motion models and prints it as a configuration.",
-               "learn_motion_noise");
-  racecar_mcl::addOptions(&options, &app);
-  return racecar_mcl::runProgram(app, argc, argv, [&] { racecar_mcl::learn(options); });
+  return racecar_mcl::runProgram(
+      argc, argv, "learn_motion_noise",
+      "Learns the noise of the motion models and prints it as a configuration.",
+      racecar_mcl::addOptions, racecar_mcl::learn);
 }

@@ -245,9 +245,8 @@ void learn(const Options& o) {
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  racecar_mcl::Options options;
-  CLI::App app("Learns the constants of the sensor table and prints them as a configuration.",
-               "learn_sensor_model");
-  racecar_mcl::addOptions(&options, &app);
-  return racecar_mcl::runProgram(app, argc, argv, [&] { racecar_mcl::learn(options); });
+  return racecar_mcl::runProgram(
+      argc, argv, "learn_sensor_model",
+      "Learns the constants of the sensor table and prints them as a configuration.",
+      racecar_mcl::addOptions, racecar_mcl::learn);
 }

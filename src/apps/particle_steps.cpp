@@ -133,11 +133,9 @@ void run(const Options& o) {
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  racecar_mcl::Options options;
-  CLI::App app(
+  return racecar_mcl::runProgram(
+      argc, argv, "particle_steps",
       "Writes the particle sets of one round of the filter: as started about the truth, "
       "after the first scan, after driving by odometry alone, after the next scan.",
-      "particle_steps");
-  racecar_mcl::addOptions(&options, &app);
-  return racecar_mcl::runProgram(app, argc, argv, [&] { racecar_mcl::run(options); });
+      racecar_mcl::addOptions, racecar_mcl::run);
 }

@@ -16,19 +16,24 @@ inline int reportError(const std::string& program, std::string what) {
   return 1;
 }
 
-/// Parses the command line and runs `run()`.
-template <typename Run>
-int runProgram(CLI::App& app, int argc, char** argv, Run&& run) {
+/// A program's main(): parses the command line into the options that `add_options` declares, and
+/// calls run(options). Returns the exit code.
+template <typename Options, typename Run>
+int runProgram(int argc, char** argv, const std::string& name, const std::string& description,
+               void (*add_options)(Options*, CLI::App*), Run&& run) {
+  Options options;
+  CLI::App app(description, name);
+  add_options(&options, &app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    return reportError(app.get_name(), std::string(error.what()) + "; see --help");
+    return reportError(name, std::string(error.what()) + "; see --help");
   }
   try {
-    run();
+    run(options);
   } catch (const std::exception& error) {
-    return reportError(app.get_name(), error.what());
+    return reportError(name, error.what());
   }
   return 0;
 }

@@ -247,9 +247,8 @@ void replay(const Options& o) {
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  racecar_mcl::Options options;
-  CLI::App app("Localizes over recorded bags and writes trajectory.tum, updates.csv, summary.json.",
-               "replay");
-  racecar_mcl::addOptions(&options, &app);
-  return racecar_mcl::runProgram(app, argc, argv, [&] { racecar_mcl::replay(options); });
+  return racecar_mcl::runProgram(
+      argc, argv, "replay",
+      "Localizes over recorded bags and writes trajectory.tum, updates.csv, summary.json.",
+      racecar_mcl::addOptions, racecar_mcl::replay);
 }

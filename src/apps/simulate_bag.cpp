@@ -2,12 +2,11 @@
 // simulate_bag.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iostream>
 #include <sstream>
 
 #include "apps/simulate_bag_recording.h"
+#include "program.h"
 #include "racecar_mcl/errors.h"
 #include "ros/node_parameters.h"
 #include "sim/lap_counter.h"
@@ -36,27 +35,27 @@ struct Options {
   sim::WallFollowerParameters follower;
 };
 
-void declare(CLI::App& app, Options& o) {
-  sim::OdometryParameters& odometry = o.simulator.odometry;
-  sim::LidarParameters& lidar = o.simulator.lidar;
-  const auto option = [&app](const char* name, auto& value, const char* description) {
-    app.add_option(name, value, description)->capture_default_str();
+void addOptions(Options* o, CLI::App* app) {
+  sim::OdometryParameters& odometry = o->simulator.odometry;
+  sim::LidarParameters& lidar = o->simulator.lidar;
+  const auto option = [app](const char* name, auto& value, const char* description) {
+    app->add_option(name, value, description)->capture_default_str();
   };
-  app.add_option("--map", o.scene.map, "map_server YAML of the map")->required();
-  app.add_option("--world", o.scene.world,
-                 "YAML of the finer world [<map>_world.yaml, else the map]");
-  app.add_option("--out", o.bag, "the bag to write")->required();
-  app.add_option("--truth", o.truth, "TUM file for the true poses of base_link in map");
-  app.add_option("--start", o.start, "\"x y yaw\" in map [<map>_start.yaml, else random]");
-  app.add_option("--duration", o.duration, "s to drive [60; with --laps no limit but the laps]");
-  app.add_option("--laps", o.laps, "stop after so many laps");
-  option("--seed", o.seed, "same seed, same bag");
+  app->add_option("--map", o->scene.map, "map_server YAML of the map")->required();
+  app->add_option("--world", o->scene.world,
+                  "YAML of the finer world [<map>_world.yaml, else the map]");
+  app->add_option("--out", o->bag, "the bag to write")->required();
+  app->add_option("--truth", o->truth, "TUM file for the true poses of base_link in map");
+  app->add_option("--start", o->start, "\"x y yaw\" in map [<map>_start.yaml, else random]");
+  app->add_option("--duration", o->duration, "s to drive [60; with --laps no limit but the laps]");
+  app->add_option("--laps", o->laps, "stop after so many laps");
+  option("--seed", o->seed, "same seed, same bag");
 
-  option("--speed", o.follower.speed, "m/s where the way is straight");
-  option("--wall-distance", o.follower.wall_distance, "m from the wall followed");
-  app.add_flag("--right", o.follow_right, "follow the right wall instead of the left one");
+  option("--speed", o->follower.speed, "m/s where the way is straight");
+  option("--wall-distance", o->follower.wall_distance, "m from the wall followed");
+  app->add_flag("--right", o->follow_right, "follow the right wall instead of the left one");
 
-  option("--odom-noise", o.odometry_noise, "sigma on vx, vy (m/s) and wz (rad/s)");
+  option("--odom-noise", o->odometry_noise, "sigma on vx, vy (m/s) and wz (rad/s)");
   option("--speed-scale-error", odometry.speed_scale_error, "0.02: 2 % too fast");
   option("--turn-scale-error", odometry.turn_scale_error, "0.03: 3 % too much");
   option("--speed-bias", odometry.speed_bias, "m/s");
@@ -70,10 +69,10 @@ void declare(CLI::App& app, Options& o) {
   option("--missing-rate", lidar.missing_rate, "share of beams without return");
   option("--scan-dropout", lidar.dropout_rate, "share of scans lost");
   option("--max-range", lidar.range_max, "m");
-  app.add_flag("--instant-scans", lidar.instant, "all beams at once: no distortion");
+  app->add_flag("--instant-scans", lidar.instant, "all beams at once: no distortion");
   option("--glass", lidar.glass.share, "share of the walls that return nothing");
-  option("--obstacles", o.scene.obstacles, "unmapped things beside the walls");
-  option("--moving-obstacles", o.scene.moving_obstacles, "how many of them walk");
+  option("--obstacles", o->scene.obstacles, "unmapped things beside the walls");
+  option("--moving-obstacles", o->scene.moving_obstacles, "how many of them walk");
 }
 
 void validate(Options& o) {
@@ -145,7 +144,7 @@ Drive driveAndRecord(const Options& o, sim::Simulator& simulator, Recording& rec
   return drive;
 }
 
-void run(Options& o) {
+void run(Options o) {
   validate(o);
   const sim::Scene scene = sim::loadScene(o.scene);
   const Pose2& start = scene.start_in_map;
@@ -166,17 +165,8 @@ void run(Options& o) {
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  CLI::App app("Drives a simulated racecar along a wall and records what it senses in a bag.");
-  racecar_mcl::Options options;
-  racecar_mcl::declare(app, options);
-  try {
-    app.parse(argc, argv);
-    racecar_mcl::run(options);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::cerr << "simulate_bag: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return racecar_mcl::runProgram(
+      argc, argv, "simulate_bag",
+      "Drives a simulated racecar along a wall and records what it senses in a bag.",
+      racecar_mcl::addOptions, racecar_mcl::run);
 }
