@@ -33,8 +33,7 @@ const std::map<std::string, Trouble> kTroubles = {
 struct Options {
   std::vector<std::string> maps;
   std::vector<std::string> troubles{"start"};
-  std::string config;
-  std::vector<std::string> settings;
+  ParameterOptions parameters;
   int drives = 100;
   int seed = 1;
   double speed = 3.0;   // m/s
@@ -57,8 +56,7 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--speed", o->speed, "m/s")->capture_default_str();
   app->add_option("--before", o->before, "s, driven before the trouble")->capture_default_str();
   app->add_option("--after", o->after, "s, driven with it")->capture_default_str();
-  app->add_option("--config", o->config, "parameters as a YAML file");
-  app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  addParameterOptions(&o->parameters, app);
   app->add_flag("--verbose", o->verbose, "a line per scan");
 }
 
@@ -187,7 +185,7 @@ void report(const std::string& what, const std::vector<Watch>& watches) {
 }
 
 void run(const Options& options) {
-  const LocalizerParameters parameters = readParameters(options.config, options.settings);
+  const LocalizerParameters parameters = readParameters(options.parameters);
   for (const std::string& map : options.maps) {
     const Course course = loadCourse(map, parameters);
     for (const std::string& name : options.troubles) {

@@ -1,7 +1,6 @@
 // Learns the noise of the motion models from recorded odometry and the trajectory that was driven.
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -9,7 +8,6 @@
 #include "bag_reader.h"
 #include "evaluation/motion_fit.h"
 #include "learned_config.h"
-#include "output_files.h"
 #include "parameter_options.h"
 #include "program.h"
 
@@ -21,8 +19,7 @@ constexpr std::size_t kFewestMotions = 20;
 struct Options {
   std::vector<std::string> bags;
   std::string trajectory;
-  std::string config;
-  std::vector<std::string> settings;
+  ParameterOptions parameters;
   std::string odom_topic = "/vesc/odom";
   std::string odom_frame = "odom";
   std::string base_frame = "base_link";
@@ -39,8 +36,7 @@ struct Options {
 void addOptions(Options* o, CLI::App* app) {
   app->add_option("--bag", o->bags, "a recording; may be given several times")->required();
   app->add_option("--trajectory", o->trajectory, "where the car truly was: a TUM file")->required();
-  app->add_option("--config", o->config, "parameters as a YAML file");
-  app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  addParameterOptions(&o->parameters, app);
   app->add_option("--odom-topic", o->odom_topic, "nav_msgs/Odometry")->capture_default_str();
   app->add_option("--odom-frame", o->odom_frame, "with --motion-from tf, the odometry's frame")
       ->capture_default_str();
@@ -172,7 +168,7 @@ void validate(const Options& o) {
 
 void learn(const Options& o) {
   validate(o);
-  LocalizerParameters parameters = readParameters(o.config, o.settings);
+  LocalizerParameters parameters = readParameters(o.parameters);
   if (!o.motion_from.empty()) setParameter("motion_from", o.motion_from, &parameters);
   validate(parameters);
   const Trajectory trajectory = readTum(o.trajectory);
@@ -188,13 +184,8 @@ void learn(const Options& o) {
                                  noiseTerms(MotionNoise::kDifferential), o.trajectory_noise);
   models[2].fit =
       fitMotionNoise(models[2].samples, MotionNoise::kAckermann, o.terms, o.trajectory_noise);
-  const std::string config = yaml(parameters, models);
-  if (!o.out.empty()) {
-    writeFolder(o.out, {{"motion_noise.yaml", config},
-                        {"motion_fit.csv", csv(models, o.trajectory_noise)}});
-  }
-  std::cout << config << std::flush;
-  if (!std::cout) throw std::runtime_error("stdout: the configuration could not be written whole");
+  writeLearned(o.out, {"motion_noise.yaml", yaml(parameters, models)},
+               {"motion_fit.csv", csv(models, o.trajectory_noise)});
 }
 
 }  // namespace

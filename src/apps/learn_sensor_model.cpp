@@ -12,7 +12,6 @@
 #include "bag_reader.h"
 #include "evaluation/sensor_fit.h"
 #include "learned_config.h"
-#include "output_files.h"
 #include "parameter_options.h"
 #include "program.h"
 #include "racecar_mcl/map_io.h"
@@ -31,8 +30,7 @@ struct Options {
   std::vector<std::string> bags;
   std::string map;
   std::string trajectory;
-  std::string config;
-  std::vector<std::string> settings;
+  ParameterOptions parameters;
   std::string laser_pose;
   std::string scan_topic = "/scan";
   std::string base_frame = "base_link";
@@ -45,8 +43,7 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--map", o->map, "the map's YAML file")->required();
   app->add_option("--trajectory", o->trajectory, "where base_frame was in the map: a TUM file")
       ->required();
-  app->add_option("--config", o->config, "parameters as a YAML file; learning starts from them");
-  app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  addParameterOptions(&o->parameters, app);
   app->add_option("--laser-pose", o->laser_pose,
                   "\"x y yaw\" of the lidar on the car, instead of the bag's tf");
   app->add_option("--scan-topic", o->scan_topic, "sensor_msgs/LaserScan")->capture_default_str();
@@ -218,7 +215,7 @@ std::string csv(const RangeCounts& beams, const SensorFit& fit,
 
 void learn(const Options& o) {
   if (!(o.max_gap > 0.0)) throw ParameterError("--max-gap must be positive (s)");
-  const LocalizerParameters parameters = readParameters(o.config, o.settings);
+  const LocalizerParameters parameters = readParameters(o.parameters);
   validate(parameters);
   const OccupancyGrid grid = loadMap(o.map);
   const Trajectory trajectory = readTum(o.trajectory);
@@ -232,13 +229,8 @@ void learn(const Options& o) {
   countBeams(o, bags, mount, trajectory, &learner);
   const SensorTableParameters& before = parameters.sensor.beam.table;
   const SensorFit fit = fitSensorTable(learner.counts().counts(), before);
-  const std::string config = yaml(parameters, fit, learner);
-  if (!o.out.empty()) {
-    writeFolder(o.out, {{"sensor_model.yaml", config},
-                        {"sensor_fit.csv", csv(learner.counts(), fit, before)}});
-  }
-  std::cout << config << std::flush;
-  if (!std::cout) throw std::runtime_error("stdout: the configuration could not be written whole");
+  writeLearned(o.out, {"sensor_model.yaml", yaml(parameters, fit, learner)},
+               {"sensor_fit.csv", csv(learner.counts(), fit, before)});
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdio>
+#include <iostream>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "output_files.h"
 #include "racecar_mcl/parameters.h"
 
 namespace racecar_mcl {
@@ -37,6 +40,15 @@ inline std::string configText(const std::vector<std::string>& comments,
     text += name + ": " + value + "\n";
   }
   return text;
+}
+
+/// The configuration to stdout; into a folder, if one is named, the configuration and the table to
+/// plot. Throws std::runtime_error.
+inline void writeLearned(const std::string& folder, const NamedContent& config,
+                         const NamedContent& table) {
+  if (!folder.empty()) writeFolder(folder, {config, table});
+  std::cout << config.second << std::flush;
+  if (!std::cout) throw std::runtime_error("stdout: the configuration could not be written whole");
 }
 
 }  // namespace racecar_mcl

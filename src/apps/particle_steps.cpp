@@ -9,6 +9,7 @@
 #include "bag_reader.h"
 #include "evaluation/trajectory.h"
 #include "output_files.h"
+#include "parameter_options.h"
 #include "program.h"
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/localizer.h"
@@ -24,7 +25,7 @@ struct Options {
   std::string map;
   std::string truth;
   std::string out;
-  std::string config;
+  ParameterOptions parameters;
   double at = 5.0;
   double drive = 0.5;
   std::uint64_t seed = 1;
@@ -38,7 +39,7 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--map", o->map, "the map's YAML file")->required();
   app->add_option("--truth", o->truth, "the true trajectory, a TUM file")->required();
   app->add_option("--out", o->out, "the CSV file to write")->required();
-  app->add_option("--config", o->config, "parameters as a YAML file");
+  addParameterOptions(&o->parameters, app);
   app->add_option("--at", o->at, "s after the truth's beginning: start with the next scan")
       ->capture_default_str();
   app->add_option("--drive", o->drive, "s to drive by odometry alone")->capture_default_str();
@@ -86,8 +87,7 @@ void append(const std::string& step, double stamp, const ParticleSet& particles,
 }
 
 void run(const Options& o) {
-  LocalizerParameters parameters;
-  if (!o.config.empty()) readParameterFile(o.config, &parameters);
+  LocalizerParameters parameters = readParameters(o.parameters);
   // Every step bare: the set that was weighed is drawn anew at once, and not smoothed.
   parameters.filter.resample_threshold = 1.0;
   parameters.filter.settling_updates = 0;

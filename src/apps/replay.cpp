@@ -48,8 +48,7 @@ struct Options {
   BagSpan span;
   std::string map;
   std::string out;
-  std::string config;
-  std::vector<std::string> settings;  ///< name:=value
+  ParameterOptions parameters;
   std::string initial_pose;
   bool initial_pose_from_truth = false;
   bool global = false;
@@ -72,8 +71,7 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--map", o->map, "the map's YAML file")->required();
   app->add_option("--out", o->out, "folder for trajectory.tum, updates.csv and summary.json")
       ->required();
-  app->add_option("--config", o->config, "parameters as a YAML file");
-  app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  addParameterOptions(&o->parameters, app);
   app->add_option("--start", o->span.start, "begin so many s into the recording")
       ->capture_default_str();
   app->add_option("--duration", o->span.duration, "and end so many s later [at the end]");
@@ -114,7 +112,7 @@ void addOptions(Options* o, CLI::App* app) {
 }
 
 LocalizerParameters parametersOf(const Options& o) {
-  LocalizerParameters parameters = readParameters(o.config, o.settings);
+  LocalizerParameters parameters = readParameters(o.parameters);
   if (!o.motion_from.empty()) setParameter("motion_from", o.motion_from, &parameters);
   return parameters;
 }
