@@ -1,11 +1,11 @@
 """scripts/evaluate: a page about one run or several side by side."""
 import argparse
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from . import EvaluationError, consistency, grid_map, judgement, run_figures, scan_fit
+from .command import exit_status
 from .page import Cell, Page
 from .run import TRUTH_TOPIC, load_folder, load_recorded, recorded_truth
 from .style import BAD, VERDICTS
@@ -283,9 +283,4 @@ def evaluate(options):
 
 
 def main(arguments=None):
-    try:
-        evaluate(parse(arguments))
-    except EvaluationError as error:
-        print(f"evaluate: error: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return exit_status("evaluate", lambda: evaluate(parse(arguments)))

@@ -1,12 +1,12 @@
 """scripts/plot_learned: the learned constants against the data they were learned from."""
 import argparse
-import sys
 import warnings
 from pathlib import Path
 
 import numpy as np
 
 from . import EvaluationError
+from .command import exit_status
 from .style import TRUTH, colour, new_figure, save
 
 DESCRIPTION = """Draws sensor_fit.png and motion_fit.png into a folder that learn_sensor_model or
@@ -97,24 +97,22 @@ def draw_motion(table, path):
     save(figure, path)
 
 
+def draw(folder):
+    drawn = []
+    for name, columns, draw_table in (("sensor_fit", SENSOR_COLUMNS, draw_sensor),
+                                      ("motion_fit", MOTION_COLUMNS, draw_motion)):
+        source = folder / f"{name}.csv"
+        if source.exists():
+            draw_table(read_table(source, columns), folder / f"{name}.png")
+            drawn.append(folder / f"{name}.png")
+    if not drawn:
+        raise EvaluationError(f"{folder}: holds neither sensor_fit.csv nor motion_fit.csv; "
+                              "learn_sensor_model and learn_motion_noise write them with --out")
+    for path in drawn:
+        print(path)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="plot_learned", description=DESCRIPTION)
     parser.add_argument("folder", type=Path)
-    folder = parser.parse_args(arguments).folder
-    drawn = []
-    try:
-        for name, columns, draw in (("sensor_fit", SENSOR_COLUMNS, draw_sensor),
-                                    ("motion_fit", MOTION_COLUMNS, draw_motion)):
-            source = folder / f"{name}.csv"
-            if source.exists():
-                draw(read_table(source, columns), folder / f"{name}.png")
-                drawn.append(folder / f"{name}.png")
-        if not drawn:
-            raise EvaluationError(f"{folder}: holds neither sensor_fit.csv nor motion_fit.csv; "
-                                  "learn_sensor_model and learn_motion_noise write them with --out")
-    except (EvaluationError, OSError) as error:
-        print(f"plot_learned: error: {error}", file=sys.stderr)
-        return 1
-    for path in drawn:
-        print(path)
-    return 0
+    return exit_status("plot_learned", lambda: draw(parser.parse_args(arguments).folder))

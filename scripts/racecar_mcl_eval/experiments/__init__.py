@@ -2,11 +2,10 @@
 import argparse
 import os
 import shutil
-import sys
 import time
 from pathlib import Path
 
-from .. import EvaluationError
+from ..command import exit_status
 from ..page import Page
 from .drives import RisingNoise
 from .filter_parts import ParticleSpread, SensorTable
@@ -54,12 +53,4 @@ def experiments(options):
 
 
 def main(arguments=None):
-    try:
-        experiments(parse(arguments))
-    except EvaluationError as error:
-        print(f"experiments: error: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("experiments: stopped", file=sys.stderr)
-        return 130
-    return 0
+    return exit_status("experiments", lambda: experiments(parse(arguments)))
