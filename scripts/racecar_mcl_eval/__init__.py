@@ -1,4 +1,5 @@
-"""Loading, measuring and showing what the localizer did; used by scripts/evaluate and scripts/experiments."""
+"""Loading, measuring and showing what the localizer did; used by scripts/demo, scripts/evaluate and
+scripts/experiments."""
 
 
 class EvaluationError(Exception):

@@ -35,6 +35,10 @@ class Trajectory:
         """Metres driven."""
         return float(np.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
 
+    def rate(self):
+        """Poses per second."""
+        return (len(self) - 1) / self.seconds()[-1] if len(self) > 1 else 0.0
+
 
 def in_order(stamps, poses):
     """Sorted by stamp; of equal stamps the first stays."""

@@ -80,6 +80,21 @@ class Trajectories(unittest.TestCase):
     def testNothingInCommonIsNoError(self):
         self.assertIsNone(trajectory.compare(straight([0.0, 0.1]), straight([5.0, 6.0])))
 
+    def testLengthAndRateOfADrive(self):
+        drive = straight([0.0, 0.5, 1.0, 2.0], speed=3.0)
+        self.assertAlmostEqual(drive.length(), 6.0)
+        self.assertAlmostEqual(drive.rate(), 1.5)
+        self.assertEqual(straight([0.0]).rate(), 0.0)
+
+    def testOfEqualStampsTheFirstStaysInOrder(self):
+        kept = trajectory.in_order([2 * SECOND, SECOND, 2 * SECOND], [(5, 0, 0), (1, 0, 0), (2, 0, 0)])
+        numpy.testing.assert_array_equal(kept.stamps, [SECOND, 2 * SECOND])
+        numpy.testing.assert_allclose(kept.poses[:, 0], [1, 5])
+
+    def testAnEstimateOfOnePoseIsComparedAtItsStampAlone(self):
+        self.assertIsNone(trajectory.compare(straight([0.0]), straight([0.1])))
+        self.assertEqual(len(trajectory.compare(straight([0.1]), straight([0.0, 0.1])).stamps), 1)
+
     def testStretchesAndSharesOfTime(self):
         flags = [False, True, True, False, True]
         self.assertEqual(trajectory.spans([0, 1, 2, 3, 9], flags), [(1, 2), (9, 9)])

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import rosunit
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/lib"))
-from ros_graph import RosGraph, children_of  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from racecar_mcl_eval.ros_graph import RosGraph, children_of  # noqa: E402
 
 
 def alive(pid):
