@@ -10,7 +10,24 @@
 namespace racecar_mcl {
 namespace {
 
-class CasterAgreement : public RangeCasterContract {};
+class CasterAgreement : public RangeCasterContract {
+ protected:
+  /// A caster that has cast from all poses of a world at once, and what it found.
+  struct WholeBatch {
+    std::unique_ptr<RangeCaster> caster;
+    Eigen::ArrayXf bearings;
+    Poses poses;
+    Eigen::ArrayXXf ranges;
+  };
+
+  WholeBatch castWhole(std::uint64_t seed, int beams, int count) const {
+    RandomWorld world(seed, 150, 100);
+    const std::vector<Pose2> poses = world.poses(count, 2.0);
+    WholeBatch whole{makeCaster(*world.grid, 4.0), fan(beams), Poses(poses), {}};
+    whole.ranges = castAll(*whole.caster, poses, whole.bearings);
+    return whole;
+  }
+};
 
 TEST_P(CasterAgreement, AgreesWithTheDefinitionOnRandomMaps) {
   const double max_range = 4.0;
@@ -65,38 +82,28 @@ TEST_P(CasterAgreement, AgreesWithTheReferenceInAFloorPlan) {
 }
 
 TEST_P(CasterAgreement, CastsAChunkAsItCastsTheWhole) {
-  RandomWorld world(8, 150, 100);
-  const auto caster = makeCaster(*world.grid, 4.0);
-  const Eigen::ArrayXf bearings = fan(37);
-  const std::vector<Pose2> list = world.poses(101, 2.0);
-  const Eigen::ArrayXXf whole = castAll(*caster, list, bearings);
-
-  const Poses poses(list);
-  Eigen::ArrayXXf chunks(whole.rows(), whole.cols());
+  const WholeBatch whole = castWhole(8, 37, 101);
+  Eigen::ArrayXXf chunks(whole.ranges.rows(), whole.ranges.cols());
   for (Eigen::Index first = 0; first < 101; first += 7) {
     const Eigen::Index count = std::min<Eigen::Index>(7, 101 - first);
-    caster->cast(poses.batch().segment(first, count), bearings, chunks.middleCols(first, count));
+    whole.caster->cast(whole.poses.batch().segment(first, count), whole.bearings,
+                       chunks.middleCols(first, count));
   }
-  EXPECT_TRUE((chunks == whole).all());
+  EXPECT_TRUE((chunks == whole.ranges).all());
 }
 
 TEST_P(CasterAgreement, CastsFromSeveralThreadsAtOnce) {
-  RandomWorld world(9, 150, 100);
-  const auto caster = makeCaster(*world.grid, 4.0);
-  const Eigen::ArrayXf bearings = fan(50);
-  const std::vector<Pose2> list = world.poses(200, 2.0);
-  const Eigen::ArrayXXf whole = castAll(*caster, list, bearings);
-
-  const Poses poses(list);
-  std::vector<Eigen::ArrayXXf> results(4, Eigen::ArrayXXf(whole.rows(), whole.cols()));
+  const WholeBatch whole = castWhole(9, 50, 200);
+  std::vector<Eigen::ArrayXXf> results(4,
+                                       Eigen::ArrayXXf(whole.ranges.rows(), whole.ranges.cols()));
   std::vector<std::thread> threads;
   for (Eigen::ArrayXXf& result : results) {
-    threads.emplace_back([&, constant = static_cast<const RangeCaster*>(caster.get())] {
-      constant->cast(poses.batch(), bearings, result);
+    threads.emplace_back([&, constant = static_cast<const RangeCaster*>(whole.caster.get())] {
+      constant->cast(whole.poses.batch(), whole.bearings, result);
     });
   }
   for (std::thread& thread : threads) thread.join();
-  for (const Eigen::ArrayXXf& result : results) EXPECT_TRUE((result == whole).all());
+  for (const Eigen::ArrayXXf& result : results) EXPECT_TRUE((result == whole.ranges).all());
 }
 
 TEST(SimdCaster, GivesTheSameBitsWithEveryInstructionSet) {
