@@ -1,11 +1,10 @@
 // map_node [map.yaml]: the map source as a program. Without an argument it reads the parameter
 // ~yaml_filename.
-#include <ros/ros.h>
-
 #include <filesystem>
 #include <iostream>
 
 #include "ros/map_source.h"
+#include "ros_program.h"
 
 int main(int argc, char** argv) {
   std::vector<std::string> arguments;
@@ -21,18 +20,9 @@ int main(int argc, char** argv) {
   }
 
   ros::init(argc, argv, "map_node");
-  // Outside the try block: with the last node handle ROS shuts down, and its console falls silent.
-  ros::NodeHandle private_node("~");
-  try {
-    if (arguments.size() == 2) {
-      // A parameter outlives this shell's folder, so it holds the whole path.
-      private_node.setParam("yaml_filename", std::filesystem::absolute(arguments[1]).string());
-    }
-    const racecar_mcl::MapSource source(ros::NodeHandle(), private_node);
-    ros::spin();
-  } catch (const std::exception& e) {
-    ROS_FATAL_STREAM("no map is served: " << e.what());
-    return 1;
+  if (arguments.size() == 2) {
+    // A parameter outlives this shell's folder, so it holds the whole path.
+    ros::param::set("~yaml_filename", std::filesystem::absolute(arguments[1]).string());
   }
-  return 0;
+  return racecar_mcl::runNode<racecar_mcl::MapSource>("no map is served");
 }

@@ -1,25 +1,13 @@
-#include <nodelet/nodelet.h>
-
-#include <memory>
+// The localizer as a nodelet.
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ros/localization_node.h"
+#include "ros/nodelet_of.h"
 
 namespace racecar_mcl {
 
-/// The localizer as a nodelet. Wrong parameters leave it loaded but unconfigured, with the reason
-/// in the log.
-class LocalizationNodelet : public nodelet::Nodelet {
- private:
-  void onInit() override {
-    try {
-      node_ = std::make_unique<LocalizationNode>(getNodeHandle(), getPrivateNodeHandle());
-    } catch (const std::exception& error) {
-      NODELET_FATAL("not localizing: %s", error.what());
-    }
-  }
-
-  std::unique_ptr<LocalizationNode> node_;
+struct LocalizationNodelet : NodeletOf<LocalizationNode> {
+  LocalizationNodelet() : NodeletOf("not localizing") {}
 };
 
 }  // namespace racecar_mcl

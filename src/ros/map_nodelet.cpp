@@ -1,25 +1,13 @@
-#include <nodelet/nodelet.h>
-
-#include <memory>
+// The map source as a nodelet.
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ros/map_source.h"
+#include "ros/nodelet_of.h"
 
 namespace racecar_mcl {
 
-/// The map source as a nodelet. Where the map cannot be read it stays loaded but offers nothing,
-/// with the reason in the log.
-class MapNodelet : public nodelet::Nodelet {
- private:
-  void onInit() override {
-    try {
-      source_ = std::make_unique<MapSource>(getNodeHandle(), getPrivateNodeHandle());
-    } catch (const std::exception& error) {
-      NODELET_FATAL("no map is served: %s", error.what());
-    }
-  }
-
-  std::unique_ptr<MapSource> source_;
+struct MapNodelet : NodeletOf<MapSource> {
+  MapNodelet() : NodeletOf("no map is served") {}
 };
 
 }  // namespace racecar_mcl
