@@ -14,7 +14,7 @@ TRUTH_TOPIC = "/ground_truth/odom"
 # Covariance columns of updates.csv, row by row.
 _COVARIANCE = ("cov_xx", "cov_xy", "cov_xyaw", "cov_xy", "cov_yy", "cov_yyaw", "cov_xyaw", "cov_yyaw",
                "cov_yawyaw")
-_WORDS = ("outcome", "verdict", "verdict_reason", "reason")
+_WORDS = ("outcome", "verdict", "reason")
 
 
 @dataclass

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -67,13 +68,12 @@ class SimulatedDrive {
         if (const auto* truth = std::get_if<sim::Truth>(&event.data)) remember(*truth);
         if (const auto* sample = std::get_if<OdometrySample>(&event.data)) hear(*sample);
         if (const auto* sweep = std::get_if<sim::LidarScan>(&event.data)) {
-          waiting_.push_back(sim::toScan(*sweep));
+          const Scan scan = sim::toScan(*sweep);
+          hold_.add(scan.stamp, event.arrival, scan);
         }
-        while (!waiting_.empty() && (localizer_.odometryCovers(waiting_.front().stamp) ||
-                                     event.arrival > waiting_.front().stamp + kPatience)) {
-          Scan scan = waiting_.front();
-          waiting_.pop_front();
-          if (on_scan(&scan)) visit(observe(scan));
+        const auto covers = [this](double stamp) { return localizer_.odometryCovers(stamp); };
+        while (std::optional<Scan> scan = hold_.takeReady(event.arrival, covers)) {
+          if (on_scan(&*scan)) visit(observe(*scan));
         }
       }
     }
@@ -81,7 +81,6 @@ class SimulatedDrive {
 
  private:
   static constexpr double kDriverPeriod = 0.02;  // s, between the driver's looks
-  static constexpr double kPatience = 0.06;      // s, that a scan waits for odometry
 
   void remember(const sim::Truth& truth) {
     truths_.push_back(truth);
@@ -115,7 +114,7 @@ class SimulatedDrive {
   sim::Simulator simulator_;
   std::unique_ptr<sim::WallFollower> follower_;
   std::deque<sim::Truth> truths_;
-  std::deque<Scan> waiting_;
+  ScanHold<Scan> hold_;
 };
 
 }  // namespace racecar_mcl

@@ -1,5 +1,4 @@
 // The part of the node that takes a scan through the filter and publishes the pose.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -82,15 +81,11 @@ void LocalizationNode::processScan() {
 }
 
 void LocalizationNode::noteScan(const ScanResult& result, ros::WallTime arrival) {
-  const Eigen::Matrix3d& covariance = result.update.estimate.covariance;
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  const Eigen::Vector2d axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position, Eigen::EigenvaluesOnly)
-          .eigenvalues();
+  const PoseEstimate& estimate = result.update.estimate;
   const std::lock_guard<std::mutex> lock(timeline_mutex_);
   latency_.add((ros::WallTime::now() - arrival).toSec());
-  status_.position_sigma = std::sqrt(std::max(0.0, axes.maxCoeff()));
-  status_.yaw_sigma = std::sqrt(std::max(0.0, covariance(2, 2)));
+  status_.position_sigma = positionSigma(estimate);
+  status_.yaw_sigma = std::sqrt(std::max(0.0, estimate.covariance(2, 2)));
   if (result.outcome != ScanOutcome::kUsed) return;
   status_.effective_sample_size = result.update.effective_sample_size;
   status_.particles = result.update.particles;

@@ -51,9 +51,6 @@ class LocalizationListener {
   std::size_t scanPoseCount() const {
     return locked([this] { return amcl_poses_.size(); });
   }
-  std::vector<geometry_msgs::PoseWithCovarianceStamped> scanPoses() const {
-    return locked([this] { return amcl_poses_; });
-  }
   std::optional<nav_msgs::Odometry> newestPose() const {
     return locked([this]() -> std::optional<nav_msgs::Odometry> {
       if (poses_.empty()) return std::nullopt;
