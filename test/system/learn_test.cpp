@@ -8,7 +8,7 @@
 #include "racecar_mcl/random.h"
 #include "racecar_mcl/sensor_table.h"
 #include "support/program.h"
-#include "support/room_bag.h"
+#include "support/room_folder.h"
 
 namespace racecar_mcl {
 namespace {
@@ -20,15 +20,8 @@ void expectWithinTenPercent(double learned, double truth) {
   EXPECT_NEAR(learned, truth, 0.1 * truth);
 }
 
-class Learn : public testing::Test {
+class Learn : public RoomFolder {
  protected:
-  Learn() {
-    folder_.write("room.pgm", roomPgm());
-    map_ = folder_.write("room.yaml", roomYaml());
-  }
-
-  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
-
   /// The learned configuration, as replay would read it.
   LocalizerParameters configOf(const ProgramResult& result) const {
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -94,10 +87,8 @@ class Learn : public testing::Test {
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 
-  const TemporaryDirectory folder_;
   const Pose2 laser_in_base_{0.25, 0.0, 0.0};
   const std::string corridor_ = std::string(RACECAR_MCL_SOURCE_DIR) + "/maps/corridor.yaml";
-  std::string map_;
 };
 
 TEST_F(Learn, SensorModelOfBeamsDrawnFromTheTable) {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "support/program.h"
-#include "support/room_bag.h"
+#include "support/room_folder.h"
 
 namespace racecar_mcl {
 namespace {
@@ -14,23 +14,15 @@ namespace {
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
-class ReplayFilm : public testing::Test {
+class ReplayFilm : public RoomFolder {
  protected:
-  ReplayFilm() {
-    folder_.write("room.pgm", roomPgm());
-    folder_.write("room.yaml", roomYaml());
-    writeRoomBag(path("a.bag"), {});
-  }
-
-  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  ReplayFilm() { writeRoomBag(path("a.bag"), {}); }
 
   ProgramResult replay(Arguments arguments) const {
-    arguments.insert(arguments.end(), {"--bag", path("a.bag"), "--map", path("room.yaml"), "--out",
-                                       path("out"), "--initial-pose-from-truth"});
+    arguments.insert(arguments.end(), {"--bag", path("a.bag"), "--map", map_, "--out", path("out"),
+                                       "--initial-pose-from-truth"});
     return runProgram(REPLAY_PROGRAM, arguments);
   }
-
-  TemporaryDirectory folder_;
 };
 
 TEST_F(ReplayFilm, showsEverySecondOfTheRunAtTheSpeedAskedFor) {
@@ -96,8 +88,8 @@ TEST_F(ReplayFilm, particleStepsSpreadBySteeringBlindAndGatherByAScan) {
   folder_.write("steps.yaml", "initial_sigma: 0.1\nnum_particles: 1000\n");
   const ProgramResult result =
       runProgram(PARTICLE_STEPS_PROGRAM,
-                 {"--bag", path("a.bag"), "--map", path("room.yaml"), "--truth", path("truth.tum"),
-                  "--at", "0.2", "--config", path("steps.yaml"), "--out", path("steps.csv")});
+                 {"--bag", path("a.bag"), "--map", map_, "--truth", path("truth.tum"), "--at",
+                  "0.2", "--config", path("steps.yaml"), "--out", path("steps.csv")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::map<std::string, std::vector<double>> x;
   std::istringstream lines(readWhole(path("steps.csv")));
