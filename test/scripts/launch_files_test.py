@@ -126,6 +126,14 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(parameter(config, "/localization/motion_from"), "tf")
         self.assertEqual(parameter(config, "/localization/initial_pose"), "1 2 3")
 
+    def testReplayTakesAllThatLocalizeDoesButItsManager(self):
+        def arguments(name):
+            return {argument.get("name") for argument in ElementTree.parse(LAUNCH / name).findall("arg")
+                    if argument.get("value") is None}
+        self.assertLessEqual(arguments("localize.launch") - {"manager"}, arguments("replay_bag.launch"))
+        config = load("replay_bag.launch", bag=self.bag, map=MAP, motion_from="tf")
+        self.assertEqual(parameter(config, "/localization/motion_from"), "tf")
+
     def testReplayTakesTheTfModeThatFitsTheBag(self):
         self.assertTrue(parameter(load("replay_bag.launch", bag=self.bag), "/use_sim_time"))
         mode = "/localization/tf_mode"
