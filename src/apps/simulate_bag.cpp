@@ -3,12 +3,12 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <sstream>
 
 #include "apps/simulate_bag_recording.h"
 #include "program.h"
 #include "racecar_mcl/errors.h"
 #include "ros/node_parameters.h"
+#include "sim/check.h"
 #include "sim/lap_counter.h"
 #include "sim/scene.h"
 #include "sim/simulator.h"
@@ -76,15 +76,8 @@ void addOptions(Options* o, CLI::App* app) {
 }
 
 void validate(Options& o) {
-  const auto require = [](bool holds, const std::string& name, double value, const char* expected) {
-    if (holds) return;
-    std::ostringstream message;
-    message << name << " is " << value << "; it must be " << expected;
-    throw ParameterError(message.str());
-  };
-  require(std::isfinite(o.duration) && o.duration >= 0.0, "--duration", o.duration,
-          "at least 0 (s)");
-  require(o.laps >= 0, "--laps", o.laps, "at least 0");
+  sim::requireNotNegative("--duration", o.duration);
+  sim::requireNotNegative("--laps", o.laps);
   if (o.truth == o.bag) throw ParameterError("--out and --truth both name " + o.bag);
   if (o.laps == 0 && o.duration == 0.0) o.duration = 60.0;
   o.simulator.odometry.noise = {o.odometry_noise, o.odometry_noise, o.odometry_noise};
