@@ -27,16 +27,13 @@ struct Obstacles {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> all;
-  std::vector<std::uint8_t> surfaces;  ///< those that touch a free cell, across a corner too
+  std::vector<std::uint8_t> surfaces;  ///< those that share a side with a free cell: across
+                                       ///< corners, slanting walls would be two cells thick
 };
 
 bool touchesFreeSpace(const OccupancyGrid& grid, int column, int row) {
-  for (int up = -1; up <= 1; ++up) {
-    for (int across = -1; across <= 1; ++across) {
-      if (grid.isFree({column + across, row + up})) return true;
-    }
-  }
-  return false;
+  return grid.isFree({column - 1, row}) || grid.isFree({column + 1, row}) ||
+         grid.isFree({column, row - 1}) || grid.isFree({column, row + 1});
 }
 
 Obstacles findObstacles(const OccupancyGrid& grid, int margin) {

@@ -84,6 +84,28 @@ TEST(LikelihoodField, CountsInFullInsideAWallThatIsNotThick) {
   EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.3f)), formula(p, 0.1), 1e-5);
 }
 
+// A wall at 45 degrees passes through the cells on its diagonal; those behind touch free space only
+// across their corners.
+TEST(LikelihoodField, HoldsASlantingWallOneCellThick) {
+  constexpr const char* kSlantingWall = R"(
+    #####
+    .####
+    ..###
+    ...##
+    ....#)";
+  const LikelihoodField field(asciiMap(kSlantingWall, 0.1), plain());
+  const Pose2 lidar{0.45, 0.05, 0.0};  // in the wall's lower right end
+  const auto at = [&](double x, double y) {
+    const auto bearing = static_cast<float>(std::atan2(y - lidar.y, x - lidar.x));
+    const auto range = static_cast<float>(std::hypot(x - lidar.x, y - lidar.y));
+    return logLikelihoodOf(field, lidar, oneBeam(bearing, range));
+  };
+  EXPECT_NEAR(at(0.25, 0.25), formula(plain(), 0.0), 1e-5);
+  EXPECT_NEAR(at(0.15, 0.15), formula(plain(), 0.1 * std::sqrt(2.0)), 1e-5);
+  EXPECT_NEAR(at(0.25, 0.35), formula(plain(), 0.1), 1e-5);
+  EXPECT_NEAR(at(0.35, 0.35), formula(plain(), 0.1 * std::sqrt(2.0)), 1e-5);
+}
+
 TEST(LikelihoodField, GoesOnBehindAWallAtTheMapsEdge) {
   const LikelihoodField field(asciiMap(kWallOnTheRight, 0.1), plain());
   const Pose2 lidar{0.05, 0.25, 0.0};
