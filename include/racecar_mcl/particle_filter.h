@@ -26,6 +26,8 @@ struct ParticleFilterParameters {
       20000;  ///< after a global start; fewer as the set concentrates (KLD sampling)
   double resample_threshold = 0.5;  ///< resample when the effective sample size is at most this
                                     ///< share of the set; 1 = at every scan (the report), 0 = never
+  int min_effective_particles = 100;  ///< a scan that would leave less is weighed in steps, with
+                                      ///< the set resampled and spread between them; 0 = never
   ResamplingMethod resampling = ResamplingMethod::kSystematic;
   EstimateFrom estimate = EstimateFrom::kMean;
   double initial_sigma = 0.5;  ///< m and rad, where a start pose brings no spread of its own
@@ -126,6 +128,11 @@ class ParticleFilter {
  private:
   /// What a scan says of each particle, tempered while the set converges.
   Eigen::ArrayXd& judge(MapModel* map, const Scan& beams);
+  /// Weighs and resamples the set by parts of a scan until what is left of it leaves enough
+  /// effective particles (an annealed particle filter). In: the scan's log likelihoods, in the
+  /// weigher's own array; out: those of what is left, at the new particles. Returns the log
+  /// likelihood of the parts.
+  double anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* log_likelihoods, bool* resampled);
   /// Ends the convergence where a single place is left, and leaves the others.
   void settleOn(const std::vector<Cluster>& clusters);
   EstimateFrom estimateFrom() const;

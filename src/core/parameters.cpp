@@ -54,6 +54,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("num_particles", p.filter.num_particles);
   visit("global_particles", p.filter.global_particles);
   visit("resample_threshold", p.filter.resample_threshold);
+  visit("min_effective_particles", p.filter.min_effective_particles);
   visit("resampling", p.filter.resampling);
   visit("estimate", p.filter.estimate);
   visit("initial_sigma", p.filter.initial_sigma);

@@ -1,6 +1,5 @@
 #include "racecar_mcl/particle_filter.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -10,6 +9,7 @@
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/scan_fit.h"
 #include "racecar_mcl/tempering.h"
+#include "smoothing.h"
 
 namespace racecar_mcl {
 namespace {
@@ -25,21 +25,14 @@ constexpr Eigen::Index kConvergingShare = 10;
 constexpr double kKeptShare = 0.3;
 constexpr double kBetterBy = 0.3;
 
+// A scan is weighed in at most so many steps, each of which leaves at most this share of the set.
+// Between them, copies are spread by a kernel of this share of the set's own sigma.
+constexpr int kMostSteps = 4;
+constexpr double kMostEffective = 0.5;
+constexpr double kStepKernel = 0.3;
+
 // No start is farther away or wider than this, m: beyond it, squares lose their digits.
 constexpr double kFarthest = 1e7;
-
-/// A square root of a covariance; throws where the matrix is none.
-Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  const Eigen::Vector3d values = solver.eigenvalues();
-  if (values.minCoeff() < -1e-9 * std::max(1.0, values.maxCoeff())) {
-    std::ostringstream problem;
-    problem << "the covariance of the start pose has a negative eigenvalue (" << values.minCoeff()
-            << "); it must be positive semi-definite";
-    throw ParameterError(problem.str());
-  }
-  return solver.eigenvectors() * Eigen::Matrix3d(values.cwiseMax(0.0).cwiseSqrt().asDiagonal());
-}
 
 Eigen::Matrix3d startCovariance(const PoseEstimate& start, double sigma) {
   Eigen::Matrix3d covariance = 0.5 * (start.covariance + start.covariance.transpose());
@@ -64,6 +57,9 @@ void validate(const ParticleFilterParameters& p) {
             << "; it must lie in [num_particles = " << p.num_particles << ", 10000000]";
   } else if (!(p.resample_threshold >= 0.0 && p.resample_threshold <= 1.0)) {
     problem << "resample_threshold is " << p.resample_threshold << "; it must lie in [0, 1]";
+  } else if (p.min_effective_particles < 0) {
+    problem << "min_effective_particles is " << p.min_effective_particles
+            << "; it must not be negative";
   } else if (!(p.initial_sigma > 0.0 && p.initial_sigma <= 1000.0)) {
     problem << "initial_sigma is " << p.initial_sigma << "; it must lie in (0, 1000]";
   } else if (!(p.news_distance > 0.0 && p.news_distance <= 1000.0)) {
@@ -137,14 +133,10 @@ void ParticleFilter::initialize(const PoseEstimate& start) {
   const Eigen::Matrix3d root = rootOf(startCovariance(start, parameters_.initial_sigma));
   ParticleSet particles;
   particles.resize(parameters_.num_particles);
-  for (Eigen::Index i = 0; i < particles.size(); ++i) {
-    const double a = random_.gaussian();
-    const double b = random_.gaussian();
-    const double c = random_.gaussian();
-    const Eigen::Vector3d offset = root * Eigen::Vector3d(a, b, c);
-    particles.setPose(i, {start.base_in_map.x + offset.x(), start.base_in_map.y + offset.y(),
-                          wrapAngle(start.base_in_map.yaw + offset.z())});
-  }
+  particles.x.setConstant(start.base_in_map.x);
+  particles.y.setConstant(start.base_in_map.y);
+  particles.yaw.setConstant(start.base_in_map.yaw);
+  spread(root, random_, &particles);
   particles.log_weight.setConstant(-std::log(static_cast<double>(particles.size())));
   particles_ = std::move(particles);
   settling_updates_left_ = parameters_.settling_updates;
@@ -218,8 +210,9 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   result.particles = static_cast<int>(particles_.size());
 
   Eigen::ArrayXd& log_weights = judge(map, beams);
+  const double log_likelihood_of_steps = anneal(map, beams, &log_weights, &result.resampled);
   log_weights += particles_.log_weight;
-  result.log_likelihood = normalizeLogWeights(&log_weights, &weights_);
+  result.log_likelihood = log_likelihood_of_steps + normalizeLogWeights(&log_weights, &weights_);
   result.weights_vanished = !std::isfinite(result.log_likelihood);
   if (result.weights_vanished) {
     weights_ = weightsOf(particles_);
@@ -247,6 +240,33 @@ Eigen::ArrayXd& ParticleFilter::judge(MapModel* map, const Scan& beams) {
   const double survivors = kConvergingSurvivors * static_cast<double>(particles_.size());
   log_likelihoods *= temperingExponent(particles_.log_weight, log_likelihoods, survivors);
   return log_likelihoods;
+}
+
+double ParticleFilter::anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* log_likelihoods,
+                              bool* resampled) {
+  const double wanted = std::min<double>(parameters_.min_effective_particles,
+                                         kMostEffective * static_cast<double>(particles_.size()));
+  if (wanted <= 0.0 || converging_ || motion_parameters_.deterministic) return 0.0;
+  double log_likelihood = 0.0;
+  double left = 1.0;  // of the scan
+  for (int step = 1; step < kMostSteps; ++step) {
+    const double part = temperingExponent(particles_.log_weight, *log_likelihoods, wanted);
+    if (part == 1.0) break;
+    particles_.log_weight += part * *log_likelihoods;
+    log_likelihood += normalizeLogWeights(&particles_.log_weight, &weights_);
+    const PoseEstimate shape = weightedMean(particles_, weights_);
+    drawn_.resize(particles_.size());
+    resample(particles_, weights_, parameters_.resampling, random_, &drawn_);
+    std::swap(particles_, drawn_);
+    *resampled = true;
+    // Copies part, and the set keeps its mean and covariance (Liu and West 2001).
+    drawTogether(shape.base_in_map, 1.0 - std::sqrt(1.0 - kStepKernel * kStepKernel), &particles_);
+    spread(kStepKernel * rootOf(shape.covariance), random_, &particles_);
+    left *= 1.0 - part;
+    judge(map, beams);
+    *log_likelihoods *= left;
+  }
+  return log_likelihood;
 }
 
 void ParticleFilter::settleOn(const std::vector<Cluster>& clusters) {
@@ -285,19 +305,11 @@ void ParticleFilter::resampleAndSettle() {
   if (settling_updates_left_ == 0) return;
   --settling_updates_left_;
 
-  // A regularised particle filter's step (Musso, Oudjane and Le Gland 2001): each copy moves by a
-  // Gaussian kernel of the set's own covariance, its width after Silverman for three dimensions.
+  // The kernel's width after Silverman, for three dimensions.
   const double bandwidth = 0.5 * std::pow(static_cast<double>(particles_.size()), -1.0 / 7.0);
   const Eigen::Matrix3d root =
       bandwidth * rootOf(estimatePose(particles_, EstimateFrom::kCluster).covariance);
-  for (Eigen::Index i = 0; i < particles_.size(); ++i) {
-    const double a = random_.gaussian();
-    const double b = random_.gaussian();
-    const double c = random_.gaussian();
-    const Eigen::Vector3d offset = root * Eigen::Vector3d(a, b, c);
-    particles_.setPose(i, {particles_.x[i] + offset.x(), particles_.y[i] + offset.y(),
-                           wrapAngle(particles_.yaw[i] + offset.z())});
-  }
+  spread(root, random_, &particles_);
 }
 
 }  // namespace racecar_mcl

@@ -1,16 +1,37 @@
 #include "racecar_mcl/tempering.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "vector_math.h"
 
 namespace racecar_mcl {
 namespace {
 
-double effectiveSize(const Eigen::ArrayXd& log_weights) {
-  const double largest = log_weights.maxCoeff();
-  const Eigen::ArrayXd weights = (log_weights - largest).exp();
-  const double sum = weights.sum();
-  return sum * sum / weights.square().sum();
+// The exponent is good enough where it leaves at most this much more than is wanted.
+constexpr double kTolerance = 1.01;
+
+/// The effective sample size of weights times likelihoods to a power.
+double effectiveSize(const Eigen::ArrayXd& log_weights, double exponent,
+                     const Eigen::ArrayXd& log_likelihoods) {
+  constexpr int kBlock = 256;
+  const int size = static_cast<int>(log_weights.size());
+  const double* const before = log_weights.data();
+  const double* const scan = log_likelihoods.data();
+  const double largest = (log_weights + exponent * log_likelihoods).maxCoeff();
+  LaneSum sum, sum_of_squares;
+  runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+    alignas(64) double weights[kBlock];
+    for (int first = 0; first < size; first += kBlock) {
+      const int count = std::min(kBlock, size - first);
+      for (int k = 0; k < count; ++k) {
+        weights[k] = expOfNegative(before[first + k] + exponent * scan[first + k] - largest);
+      }
+      sum.add(weights, count);
+      for (int k = 0; k < count; ++k) weights[k] *= weights[k];
+      sum_of_squares.add(weights, count);
+    }
+  });
+  return sum.total() * sum.total() / sum_of_squares.total();
 }
 
 }  // namespace
@@ -18,13 +39,15 @@ double effectiveSize(const Eigen::ArrayXd& log_weights) {
 double temperingExponent(const Eigen::ArrayXd& log_weights, const Eigen::ArrayXd& log_likelihoods,
                          double wanted) {
   if (log_weights.size() == 0 || !log_likelihoods.allFinite()) return 1.0;
-  if (effectiveSize(log_weights + log_likelihoods) >= wanted) return 1.0;
-  if (effectiveSize(log_weights) <= wanted) return 1.0;
+  if (effectiveSize(log_weights, 1.0, log_likelihoods) >= wanted) return 1.0;
+  if (effectiveSize(log_weights, 0.0, log_likelihoods) <= wanted) return 1.0;
   double low = 0.0;
   double high = 1.0;
-  for (int step = 0; step < 20; ++step) {
+  for (int step = 0; step < 30; ++step) {
     const double middle = 0.5 * (low + high);
-    (effectiveSize(log_weights + middle * log_likelihoods) >= wanted ? low : high) = middle;
+    const double size = effectiveSize(log_weights, middle, log_likelihoods);
+    (size >= wanted ? low : high) = middle;
+    if (size >= wanted && size < kTolerance * wanted) break;
   }
   return std::max(low, 1e-6);
 }

@@ -78,6 +78,7 @@ ParticleFilterParameters sized(int count, double threshold) {
   parameters.resample_threshold = threshold;
   parameters.estimate = EstimateFrom::kMean;
   parameters.settling_updates = 0;
+  parameters.min_effective_particles = 0;
   return parameters;
 }
 
