@@ -102,6 +102,7 @@ class Localizer {
     Motion motion;           ///< since the scan before
     OdometryState odometry;  ///< at the scan's stamp
     PoseEstimate predicted;  ///< at the scan's stamp, by odometry alone
+    Pose2 correction;        ///< where the scan put the car, seen from `predicted`
     ScanFit fit;             ///< from the estimate
     bool weigh = false;
     bool reject_short = false;  ///< leave short returns out of the weighing

@@ -258,7 +258,9 @@ void Localizer::processScan(ScanTask* task) {
                                                              parameters_.min_beams)
                                        : task->beams);
   }
-  task->fit = fitScan(map_.get(), update.estimate.base_in_map, task->beams);
+  const Pose2& estimated = update.estimate.base_in_map;
+  task->correction = between(predicted, estimated);
+  task->fit = fitScan(map_.get(), estimated, task->beams);
   if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;
 }
 
@@ -270,8 +272,7 @@ Verdict Localizer::judge(const ScanTask& task) {
   evidence.converging = update.converging;
   evidence.position_sigma = positionSigma(update.estimate);
   evidence.travelled = task.motion.distance;
-  const Pose2 correction = between(task.predicted.base_in_map, update.estimate.base_in_map);
-  evidence.correction = {correction.x, correction.y};
+  evidence.correction = {task.correction.x, task.correction.y};
   return judge_.judge(evidence);
 }
 
@@ -304,8 +305,7 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   }
   result.verdict = judge(task);
   if (result.verdict.state == VerdictState::kLocalized) {
-    calibration_.learn(task.motion,
-                       between(task.predicted.base_in_map, result.update.estimate.base_in_map));
+    calibration_.learn(task.motion, task.correction);
   }
   anchor_ = Anchor{result.update.estimate, task.odometry};
   return result;
