@@ -1,9 +1,8 @@
 #include "racecar_mcl/scan_fit.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include "racecar_mcl/particle_filter.h"
+#include "seen_beams.h"
 
 namespace racecar_mcl {
 namespace {
@@ -16,26 +15,14 @@ constexpr float kThrough = 0.5f;  // m
 }  // namespace
 
 ScanFit fitScan(MapModel* map, const Pose2& base_in_map, const Scan& beams) {
-  const Pose2 lidar = compose(base_in_map, beams.laser_in_base);
-  const LikelihoodField& field = map->search.field();
-  const Eigen::ArrayXf log_likelihoods = field.beamLogLikelihoods(lidar, beams);
-  // A surface lies anywhere in its cell, and the field is measured from the cell's centre.
-  const double near = std::max(kNear, map->grid.geometry().resolution);
-  const auto least = static_cast<float>(field.logLikelihoodAt(near));
-
-  const PoseBatch pose{&lidar.x, &lidar.y, &lidar.yaw, 1};
-  Eigen::ArrayXXf expected(beams.size(), 1);
-  map->caster->prepare(pose, beams.bearings);
-  map->caster->cast(pose, beams.bearings, expected);
-
+  const SeenBeams seen = seeBeams(map, base_in_map, beams);
+  const float least = logLikelihoodNearSurface(*map, kNear);
   ScanFit fit;
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
-    if (std::isnan(log_likelihoods[k]) || beams.ranges[k] < kClose) continue;
+    if (std::isnan(seen.log_likelihoods[k]) || beams.ranges[k] < kClose) continue;
     ++fit.beams;
-    // A ray cast to its full range meets nothing; a measured range beyond that proves nothing.
-    const bool through =
-        expected(k, 0) < map->max_range && beams.ranges[k] > expected(k, 0) + kThrough;
-    const bool at_surface = log_likelihoods[k] >= least;
+    const bool through = beams.ranges[k] > seen.walls[k] + kThrough;
+    const bool at_surface = seen.log_likelihoods[k] >= least;
     fit.explained += at_surface && !through ? 1.0 : 0.0;
   }
   if (fit.beams > 0) fit.explained /= fit.beams;

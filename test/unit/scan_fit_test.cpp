@@ -2,35 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include "racecar_mcl/particle_filter.h"
-#include "support/ascii_map.h"
+#include <limits>
+
+#include "support/wall_ahead.h"
 
 namespace racecar_mcl {
 namespace {
 
-class ScanFitTest : public ::testing::Test {
+class ScanFitTest : public WallAhead {
  protected:
-  /// Ten beams ahead, from 3 m before the wall at x = 11.
-  static Scan aheadOf(float range) {
-    Scan scan;
-    scan.bearings = Eigen::ArrayXf::LinSpaced(10, -0.1f, 0.1f);
-    scan.ranges = Eigen::ArrayXf::Constant(10, range);
-    scan.seconds_after_stamp = Eigen::ArrayXf::Zero(10);
-    return scan;
-  }
-
-  ScanFit fit(float range) { return fitScan(map_.get(), {8.0, 4.0, 0.0}, aheadOf(range)); }
-
-  std::shared_ptr<MapModel> map_ = makeMapModel(asciiMap(R"(
-      ####################
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      ####################)"),
-                                                SensorParameters{});
+  ScanFit fit(float range) { return fitScan(map_.get(), car_, beamsAhead(10, range)); }
 };
 
 TEST_F(ScanFitTest, ExplainsBeamsThatEndAtTheWall) {

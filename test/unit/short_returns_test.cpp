@@ -4,35 +4,19 @@
 
 #include <limits>
 
-#include "support/ascii_map.h"
+#include "support/wall_ahead.h"
 
 namespace racecar_mcl {
 namespace {
 
-/// 12 beams straight ahead, from 3 m before the wall at x = 11.
-class ShortReturns : public ::testing::Test {
+/// 12 beams that end at the wall.
+class ShortReturns : public WallAhead {
  protected:
-  ShortReturns() {
-    beams_.bearings = Eigen::ArrayXf::LinSpaced(12, -0.1f, 0.1f);
-    beams_.ranges = Eigen::ArrayXf::Constant(12, 3.05f) / beams_.bearings.cos();
-    beams_.seconds_after_stamp = Eigen::ArrayXf::Zero(12);
-  }
+  ShortReturns() { beams_.ranges /= beams_.bearings.cos(); }
 
-  Scan kept(Eigen::Index least = 1) {
-    return withoutShortReturns(map_.get(), {8.0, 4.0, 0.0}, beams_, least);
-  }
+  Scan kept(Eigen::Index least = 1) { return withoutShortReturns(map_.get(), car_, beams_, least); }
 
-  std::shared_ptr<MapModel> map_ = makeMapModel(asciiMap(R"(
-      ####################
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      #..........#.......#
-      ####################)"),
-                                                SensorParameters{});
-  Scan beams_;
+  Scan beams_ = beamsAhead(12, 3.05f);
 };
 
 TEST_F(ShortReturns, LeavesOutWhatEndsInFreeSpaceBeforeAWall) {
