@@ -135,7 +135,9 @@ class ParticleFilter {
   double anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* log_likelihoods, bool* resampled);
   /// Ends the convergence where a single place is left, and leaves the others.
   void settleOn(const std::vector<Cluster>& clusters);
-  EstimateFrom estimateFrom() const;
+  EstimateFrom kindOfEstimate() const;
+  /// By `weights_`, with the clusters they make.
+  PoseEstimate estimateFrom(const std::vector<Cluster>& clusters) const;
   Eigen::Index nextSize() const;
   void resampleAndSettle();
 

@@ -162,16 +162,17 @@ void ParticleFilter::initializeGlobally(const MapModel& map) {
 
 UpdateResult ParticleFilter::initializeGlobally(const MapModel& map, const Scan& beams) {
   particles_ = map.search.candidates(beams, parameters_.global_particles, random_);
+  weights_ = weightsOf(particles_);
   settling_updates_left_ = parameters_.settling_updates;
   converging_ = true;
 
   UpdateResult result;
   result.beams = static_cast<int>(beams.size());
   result.particles = static_cast<int>(particles_.size());
-  result.effective_sample_size = effectiveSampleSize(weightsOf(particles_));
+  result.effective_sample_size = effectiveSampleSize(weights_);
   result.converging = true;
-  result.clusters = findClusters(particles_);
-  result.estimate = estimate();
+  result.clusters = findClusters(particles_, weights_);
+  result.estimate = estimateFrom(result.clusters);
   return result;
 }
 
@@ -223,7 +224,7 @@ UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
   result.effective_sample_size = effectiveSampleSize(weights_);
   result.converging = converging_;
   result.clusters = findClusters(particles_, weights_);
-  result.estimate = estimatePose(particles_, weights_, estimateFrom());
+  result.estimate = estimateFrom(result.clusters);
   if (converging_) settleOn(result.clusters);
   const double threshold = parameters_.resample_threshold * static_cast<double>(particles_.size());
   if (result.effective_sample_size <= threshold && !result.weights_vanished) {
@@ -277,13 +278,22 @@ void ParticleFilter::settleOn(const std::vector<Cluster>& clusters) {
   converging_ = false;
 }
 
-EstimateFrom ParticleFilter::estimateFrom() const {
+EstimateFrom ParticleFilter::kindOfEstimate() const {
   // The mean of several places is none of them.
   const bool between_places = converging_ && parameters_.estimate == EstimateFrom::kMean;
   return between_places ? EstimateFrom::kCluster : parameters_.estimate;
 }
 
-PoseEstimate ParticleFilter::estimate() const { return estimatePose(particles_, estimateFrom()); }
+PoseEstimate ParticleFilter::estimateFrom(const std::vector<Cluster>& clusters) const {
+  const Cluster& heaviest = clusters.front();
+  const EstimateFrom kind = kindOfEstimate();
+  // Of a set in one place, that place's mean is the set's.
+  const bool mean_is_known = kind == EstimateFrom::kMean && heaviest.particles == particles_.size();
+  if (kind == EstimateFrom::kCluster || mean_is_known) return heaviest.estimate;
+  return estimatePose(particles_, weights_, kind);
+}
+
+PoseEstimate ParticleFilter::estimate() const { return estimatePose(particles_, kindOfEstimate()); }
 
 Eigen::Index ParticleFilter::nextSize() const {
   if (particles_.size() <= parameters_.num_particles) return parameters_.num_particles;
