@@ -50,8 +50,6 @@ class LikelihoodField {
   std::size_t memoryBytes() const { return log_field_.size() * sizeof(float); }
 
  private:
-  float at(float column, float row) const;
-
   LikelihoodFieldParameters parameters_;
   GridGeometry geometry_;  ///< of the field: the map's and a margin around it
   float max_range_;

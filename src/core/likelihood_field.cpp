@@ -89,30 +89,72 @@ std::vector<std::uint8_t> insideThickWalls(const Obstacles& obstacles, double re
 
 /// The field as the inner loops see it.
 struct FieldView {
+  FieldView(const std::vector<float>& log_field, const GridGeometry& geometry, float log_outside)
+      : values(log_field.data()),
+        width(geometry.width),
+        height(geometry.height),
+        outside(log_outside),
+        resolution(geometry.resolution),
+        map_in_field(inverse(geometry.origin)),
+        cosine(std::cos(map_in_field.yaw)),
+        sine(std::sin(map_in_field.yaw)) {}
+
   const float* values;
   int width;
   int height;
-  float outside;  ///< the value beyond the field
-};
-
-/// Some beams' end points, in cells, seen from the lidar.
-struct EndPoints {
-  static constexpr int kMost = 256;
-  int count = 0;
-  alignas(64) std::array<float, kMost> x, y;
+  float outside;      ///< the value beyond the field
+  double resolution;  ///< m per cell
+  Pose2 map_in_field;
+  double cosine, sine;  ///< of its yaw
 };
 
 /// Where the lidar is, counted from the centre of the field's first cell, and its direction.
-struct SinglePose {
+struct LidarInField {
+  RACECAR_MCL_INLINE LidarInField(const FieldView& field, const Pose2& in_map) {
+    const double x = field.map_in_field.x + field.cosine * in_map.x - field.sine * in_map.y;
+    const double y = field.map_in_field.y + field.sine * in_map.x + field.cosine * in_map.y;
+    double yaw_sine, yaw_cosine;
+    sinCos(in_map.yaw + field.map_in_field.yaw, &yaw_sine, &yaw_cosine);
+    column = static_cast<float>(x / field.resolution - 0.5);
+    row = static_cast<float>(y / field.resolution - 0.5);
+    cosine = static_cast<float>(yaw_cosine);
+    sine = static_cast<float>(yaw_sine);
+  }
+
   float column, row;  ///< cells
   float cosine, sine;
 };
 
-/// The field, interpolated, summed over the end points seen from a pose. Three loops, for the
-/// middle one, which fetches, cannot be vectorised. NaN counts as outside.
-RACECAR_MCL_INLINE float sumAt(const FieldView& field, const SinglePose& pose,
-                               const EndPoints& ends) {
-  alignas(64) std::array<float, EndPoints::kMost> across, up, value;
+/// Where some beams end, in cells, seen from the lidar; each pose then only turns and shifts them.
+/// Holds as many as it can of the beams from `first` on that are shorter than `max_range`, m.
+struct EndPoints {
+  static constexpr int kMost = 256;
+
+  EndPoints(const Scan& beams, Eigen::Index first, float max_range, double resolution)
+      : end(first) {
+    const auto cells_per_metre = static_cast<float>(1.0 / resolution);
+    for (; end < beams.size() && count < kMost; ++end) {
+      if (!(beams.ranges[end] < max_range)) continue;
+      x[count] = beams.ranges[end] * std::cos(beams.bearings[end]) * cells_per_metre;
+      y[count] = beams.ranges[end] * std::sin(beams.bearings[end]) * cells_per_metre;
+      index[count++] = end;
+    }
+  }
+
+  int count = 0;
+  Eigen::Index end;  ///< the first beam that was not looked at
+  alignas(64) std::array<float, kMost> x, y;
+  std::array<Eigen::Index, kMost> index;  ///< which beam of the scan
+};
+
+/// Per end point.
+using EndValues = std::array<float, EndPoints::kMost>;
+
+/// The field, interpolated, at the end points seen from a lidar. Three loops, for the middle one,
+/// which fetches, cannot be vectorised. NaN counts as outside.
+RACECAR_MCL_INLINE void valuesAt(const FieldView& field, const LidarInField& lidar,
+                                 const EndPoints& ends, EndValues& values) {
+  alignas(64) std::array<float, EndPoints::kMost> across, up;
   alignas(64) std::array<int, EndPoints::kMost> cell;
   alignas(64) std::array<std::uint32_t, EndPoints::kMost> is_inside;
   alignas(64) std::array<float, 4 * EndPoints::kMost> corners;
@@ -121,8 +163,8 @@ RACECAR_MCL_INLINE float sumAt(const FieldView& field, const SinglePose& pose,
   const auto last_row = static_cast<float>(field.height - 1);
   const int cells_per_row = field.width;
   for (int k = 0; k < count; ++k) {
-    const float column = pose.column + pose.cosine * ends.x[k] - pose.sine * ends.y[k];
-    const float row = pose.row + pose.sine * ends.x[k] + pose.cosine * ends.y[k];
+    const float column = lidar.column + lidar.cosine * ends.x[k] - lidar.sine * ends.y[k];
+    const float row = lidar.row + lidar.sine * ends.x[k] + lidar.cosine * ends.y[k];
     const bool inside =
         (column >= 0.0F) & (row >= 0.0F) & (column < last_column) & (row < last_row);
     const float held_column = inside ? column : 0.0F;
@@ -143,16 +185,19 @@ RACECAR_MCL_INLINE float sumAt(const FieldView& field, const SinglePose& pose,
     const float lower = corners[4 * k] + across[k] * (corners[4 * k + 1] - corners[4 * k]);
     const float upper = corners[4 * k + 2] + across[k] * (corners[4 * k + 3] - corners[4 * k + 2]);
     const float inside = lower + up[k] * (upper - lower);
-    value[k] = is_inside[k] != 0 ? inside : field.outside;
+    values[k] = is_inside[k] != 0 ? inside : field.outside;
   }
-  // Sixteen sums side by side, in the same order with every instruction set.
+}
+
+/// Sixteen sums side by side, in the same order with every instruction set.
+RACECAR_MCL_INLINE float sumOf(const EndValues& values, int count) {
   constexpr int kLanes = 16;
   alignas(64) std::array<float, kLanes> lanes = {};
   int k = 0;
   for (; k + kLanes <= count; k += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] += value[k + lane];
+    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] += values[k + lane];
   }
-  for (int lane = 0; k < count; ++k, ++lane) lanes[lane] += value[k];
+  for (int lane = 0; k < count; ++k, ++lane) lanes[lane] += values[k];
   for (int width = kLanes / 2; width > 0; width /= 2) {
     for (int lane = 0; lane < width; ++lane) lanes[lane] += lanes[lane + width];
   }
@@ -210,62 +255,33 @@ double LikelihoodField::logLikelihoodAt(double distance) const {
 
 Eigen::ArrayXf LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map,
                                                    const Scan& beams) const {
-  Eigen::ArrayXf log_likelihoods(beams.size());
-  for (Eigen::Index k = 0; k < beams.size(); ++k) {
-    const double range = static_cast<double>(beams.ranges[k]);
-    const double bearing = lidar_in_map.yaw + static_cast<double>(beams.bearings[k]);
-    const Eigen::Vector2d end = worldToGrid(
-        geometry_,
-        {lidar_in_map.x + range * std::cos(bearing), lidar_in_map.y + range * std::sin(bearing)});
-    log_likelihoods[k] = beams.ranges[k] < max_range_ ? at(static_cast<float>(end.x() - 0.5),
-                                                           static_cast<float>(end.y() - 0.5))
-                                                      : std::numeric_limits<float>::quiet_NaN();
+  Eigen::ArrayXf log_likelihoods =
+      Eigen::ArrayXf::Constant(beams.size(), std::numeric_limits<float>::quiet_NaN());
+  const FieldView field(log_field_, geometry_, log_rand_);
+  for (Eigen::Index first = 0; first < beams.size();) {
+    const EndPoints ends(beams, first, max_range_, geometry_.resolution);
+    first = ends.end;
+    alignas(64) EndValues values;
+    runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+      valuesAt(field, LidarInField(field, lidar_in_map), ends, values);
+    });
+    for (int k = 0; k < ends.count; ++k) log_likelihoods[ends.index[k]] = values[k];
   }
   return log_likelihoods;
-}
-
-float LikelihoodField::at(float column, float row) const {
-  const float left = std::floor(column);
-  const float below = std::floor(row);
-  // Written so that NaN, too, falls outside.
-  if (!(left >= 0.0f && below >= 0.0f && left < static_cast<float>(geometry_.width - 1) &&
-        below < static_cast<float>(geometry_.height - 1))) {
-    return log_rand_;
-  }
-  const float across = column - left;
-  const float up = row - below;
-  const float* lower =
-      &log_field_[static_cast<std::size_t>(below) * static_cast<std::size_t>(geometry_.width) +
-                  static_cast<std::size_t>(left)];
-  const float* upper = lower + geometry_.width;
-  return (1.0f - up) * ((1.0f - across) * lower[0] + across * lower[1]) +
-         up * ((1.0f - across) * upper[0] + across * upper[1]);
 }
 
 void LikelihoodField::logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
                                     Eigen::Ref<Eigen::ArrayXd> log_likelihood) const {
   log_likelihood.setZero();
-  const FieldView field{log_field_.data(), geometry_.width, geometry_.height, log_rand_};
-  // End points in cells, seen from the lidar; each pose then only turns and shifts them.
-  const auto cells_per_metre = static_cast<float>(1.0 / geometry_.resolution);
-  EndPoints ends;
-  for (Eigen::Index k = 0; k < beams.size();) {
-    for (ends.count = 0; k < beams.size() && ends.count < EndPoints::kMost; ++k) {
-      if (!(beams.ranges[k] < max_range_)) continue;
-      ends.x[ends.count] = beams.ranges[k] * std::cos(beams.bearings[k]) * cells_per_metre;
-      ends.y[ends.count] = beams.ranges[k] * std::sin(beams.bearings[k]) * cells_per_metre;
-      ++ends.count;
-    }
+  const FieldView field(log_field_, geometry_, log_rand_);
+  for (Eigen::Index first = 0; first < beams.size();) {
+    const EndPoints ends(beams, first, max_range_, geometry_.resolution);
+    first = ends.end;
     runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+      alignas(64) EndValues values;
       for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
-        const Eigen::Vector2d origin =
-            worldToGrid(geometry_, {lidar_in_map.x[i], lidar_in_map.y[i]});
-        double sine, cosine;
-        sinCos(lidar_in_map.yaw[i] - geometry_.origin.yaw, &sine, &cosine);
-        const SinglePose pose{static_cast<float>(origin.x() - 0.5),
-                              static_cast<float>(origin.y() - 0.5), static_cast<float>(cosine),
-                              static_cast<float>(sine)};
-        log_likelihood[i] += static_cast<double>(squash_ * sumAt(field, pose, ends));
+        valuesAt(field, LidarInField(field, lidar_in_map.pose(i)), ends, values);
+        log_likelihood[i] += static_cast<double>(squash_ * sumOf(values, ends.count));
       }
     });
   }

@@ -134,6 +134,27 @@ TEST(LikelihoodField, SumsBeamsAndSquashes) {
               (formula(plain(), 0.2) + formula(plain(), 0.5)) / 4.0, 1e-5);
 }
 
+TEST(LikelihoodField, TheBeamsThatAreWeighedSumToTheScan) {
+  const Room room;
+  const LikelihoodField field(room.grid(), plain());
+  const Pose2 lidar{2.0, 3.0, 0.4};
+  Sweep sweep;
+  sweep.count = 600;
+  Scan scan = takeScan(room, sweep, 0.0, [&](double) { return lidar; });
+  for (Eigen::Index k = 0; k < 600; k += 7) scan.ranges[k] *= 0.8f;
+  scan.ranges[1] = std::numeric_limits<float>::infinity();
+  scan.ranges[299] = std::numeric_limits<float>::quiet_NaN();
+  const Eigen::ArrayXf each = field.beamLogLikelihoods(lidar, scan);
+  ASSERT_EQ(each.size(), 600);
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < 600; ++k) {
+    const bool weighed = scan.ranges[k] < 10.0f;
+    ASSERT_EQ(std::isnan(each[k]), !weighed) << k;
+    if (weighed) sum += static_cast<double>(each[k]);
+  }
+  EXPECT_NEAR(logLikelihoodOf(field, lidar, scan), sum, 1e-3);
+}
+
 TEST(LikelihoodField, EndsOutsideTheMapCountAsChance) {
   const LikelihoodField field(asciiMap(kWallOnTheRight, 0.1), plain());
   const double chance = std::log(plain().field_rand);
