@@ -109,7 +109,7 @@ void measure(benchmark::State& state, const Case& c, const OccupancyGrid& grid,
       const double cpu_start = cpuSeconds();
       const double wall_start = wallSeconds();
       filter.predict(drive.motions[i]);
-      const UpdateResult result = filter.update(map.get(), drive.scans[i]);
+      const UpdateResult& result = filter.update(map.get(), drive.scans[i]);
       const double wall_end = wallSeconds();
       const double cpu_end = cpuSeconds();
       if (i < warm_up) continue;

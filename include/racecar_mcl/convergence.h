@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "racecar_mcl/clusters.h"
 #include "racecar_mcl/odometry.h"
 #include "racecar_mcl/particles.h"
-#include "racecar_mcl/pose_estimate.h"
 
 namespace racecar_mcl {
 
@@ -20,7 +20,7 @@ namespace racecar_mcl {
 double newsAfter(const Motion& motion, double news_distance);
 
 /// The place where all but a hundredth of the weight is, if that is a place: a cluster not wider
-/// than 0.3 m. `clusters` as `findClusters` gives them.
+/// than 0.3 m. `clusters` as ClusterFinder gives them.
 std::optional<Pose2> onlyPlace(const std::vector<Cluster>& clusters);
 
 /// Takes the weight from particles away from a place and normalises what is left.

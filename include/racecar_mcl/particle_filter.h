@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "racecar_mcl/beam_model.h"
+#include "racecar_mcl/clusters.h"
 #include "racecar_mcl/global_search.h"
 #include "racecar_mcl/likelihood_field.h"
 #include "racecar_mcl/motion_model.h"
@@ -106,8 +107,9 @@ class ParticleFilter {
 
   bool initialized() const { return particles_.size() > 0; }
 
-  /// The same, but starting where a scan fits, in as many places as it fits in.
-  UpdateResult initializeGlobally(const MapModel& map, const Scan& beams);
+  /// The same, but starting where a scan fits, in as many places as it fits in. What it returns is
+  /// valid until the next update.
+  const UpdateResult& initializeGlobally(const MapModel& map, const Scan& beams);
 
   /// Looks for places on the whole map from where the scan is explained better by a tenth of its
   /// beams. Where there are, particles are put there beside those of the set, which converges
@@ -118,8 +120,9 @@ class ParticleFilter {
   void predict(const Motion& motion);
 
   /// Weighs the set by a scan whose beams were all taken from where the particles are. Needs an
-  /// initialised filter and at least one beam.
-  UpdateResult update(MapModel* map, const Scan& beams);
+  /// initialised filter and at least one beam. What it returns is valid until the next update. Once
+  /// the set has settled on a place and on its size, an update allocates nothing.
+  const UpdateResult& update(MapModel* map, const Scan& beams);
 
   const ParticleSet& particles() const { return particles_; }
   /// Of the set as it stands now.
@@ -135,6 +138,8 @@ class ParticleFilter {
   double anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* log_likelihoods, bool* resampled);
   /// Ends the convergence where a single place is left, and leaves the others.
   void settleOn(const std::vector<Cluster>& clusters);
+  /// Fills what a scan's result says of the set, by `weights_`.
+  void reportSet(const Scan& beams);
   EstimateFrom kindOfEstimate() const;
   /// By `weights_`, with the clusters they make.
   PoseEstimate estimateFrom(const std::vector<Cluster>& clusters) const;
@@ -149,7 +154,9 @@ class ParticleFilter {
   bool converging_ = false;
   double news_ = 1.0;  ///< share of the next scan that is news
   // Kept from update to update, so that tracking allocates nothing.
+  UpdateResult result_;
   ScanWeigher weigher_;
+  ClusterFinder cluster_finder_;
   Eigen::ArrayXd weights_;  ///< of particles_, within an update
   ParticleSet drawn_;
 };

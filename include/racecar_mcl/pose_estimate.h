@@ -2,10 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "racecar_mcl/particles.h"
-#include "racecar_mcl/resampling.h"
 
 namespace racecar_mcl {
 
@@ -24,28 +22,17 @@ enum class EstimateFrom {
   kCluster,  ///< the weighted mean of the heaviest cluster: never between two places
 };
 
-/// Particles that lie in touching bins.
-struct Cluster {
-  PoseEstimate estimate;
-  double weight = 0.0;         ///< share of the whole set, in [0, 1]
-  Eigen::Index particles = 0;  ///< how many
-};
-
 /// The weighted mean (yaw by its circular mean) and covariance about it, with the weights given or
 /// those of the set. Needs at least one particle, and a weight above zero. Of yaws that cancel out
 /// the result is the first particle's.
 PoseEstimate weightedMean(const ParticleSet& particles, const Eigen::ArrayXd& weights);
 PoseEstimate weightedMean(const ParticleSet& particles);
+/// The same of poses that are no set, with as many weights.
+PoseEstimate weightedMean(const PoseBatch& poses, const double* weights);
 
 /// The heaviest particle, with the covariance of the whole set about it.
 PoseEstimate bestParticle(const ParticleSet& particles, const Eigen::ArrayXd& weights);
 PoseEstimate bestParticle(const ParticleSet& particles);
-
-/// The clusters of the set, heaviest first; bins touch across edges and corners, and yaw wraps
-/// round. Of a set in one place it allocates only the result.
-std::vector<Cluster> findClusters(const ParticleSet& particles, const Eigen::ArrayXd& weights,
-                                  const PoseBins& bins = {});
-std::vector<Cluster> findClusters(const ParticleSet& particles, const PoseBins& bins = {});
 
 /// The estimate of the chosen kind. With the weights at hand, mean and best allocate nothing.
 PoseEstimate estimatePose(const ParticleSet& particles, const Eigen::ArrayXd& weights,

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "racecar_mcl/particles.h"
+#include "racecar_mcl/pose_bins.h"
 #include "racecar_mcl/random.h"
 
 namespace racecar_mcl {
@@ -14,8 +15,9 @@ namespace racecar_mcl {
 double normalizeLogWeights(Eigen::ArrayXd* log_weights, Eigen::ArrayXd* weights);
 double normalizeLogWeights(Eigen::ArrayXd* log_weights);
 
-/// The weights themselves.
+/// The weights themselves. Into an array of the right size it allocates nothing.
 Eigen::ArrayXd weightsOf(const ParticleSet& particles);
+void weightsOf(const ParticleSet& particles, Eigen::ArrayXd* weights);
 
 /// 1 / sum of squared weights: between 1 (one particle holds all) and N (all are equal). Needs
 /// normalised weights.
@@ -37,13 +39,7 @@ ParticleSet resample(const ParticleSet& particles, Eigen::Index count, Resamplin
 void resample(const ParticleSet& particles, const Eigen::ArrayXd& weights, ResamplingMethod method,
               Random& random, ParticleSet* drawn);
 
-/// Size of one bin of the histogram that measures how many places a particle set occupies.
-struct PoseBins {
-  double position = 0.5;  ///< m
-  double yaw = 0.35;      ///< rad
-};
-
-/// The number of bins that hold at least one particle.
+/// The number of bins that hold at least one particle: how many places a set occupies.
 Eigen::Index countOccupiedBins(const ParticleSet& particles, const PoseBins& bins);
 
 /// Particles needed so that, with probability `confidence` given as a standard normal quantile, the

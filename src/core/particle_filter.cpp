@@ -160,20 +160,14 @@ void ParticleFilter::initializeGlobally(const MapModel& map) {
   converging_ = true;
 }
 
-UpdateResult ParticleFilter::initializeGlobally(const MapModel& map, const Scan& beams) {
+const UpdateResult& ParticleFilter::initializeGlobally(const MapModel& map, const Scan& beams) {
   particles_ = map.search.candidates(beams, parameters_.global_particles, random_);
-  weights_ = weightsOf(particles_);
+  weightsOf(particles_, &weights_);
   settling_updates_left_ = parameters_.settling_updates;
   converging_ = true;
-
-  UpdateResult result;
-  result.beams = static_cast<int>(beams.size());
-  result.particles = static_cast<int>(particles_.size());
-  result.effective_sample_size = effectiveSampleSize(weights_);
-  result.converging = true;
-  result.clusters = findClusters(particles_, weights_);
-  result.estimate = estimateFrom(result.clusters);
-  return result;
+  result_ = UpdateResult{};
+  reportSet(beams);
+  return result_;
 }
 
 bool ParticleFilter::reconsider(MapModel* map, const Scan& beams) {
@@ -205,33 +199,38 @@ void ParticleFilter::predict(const Motion& motion) {
   moveParticles(motion_parameters_, motion, random_, &particles_);
 }
 
-UpdateResult ParticleFilter::update(MapModel* map, const Scan& beams) {
-  UpdateResult result;
-  result.beams = static_cast<int>(beams.size());
-  result.particles = static_cast<int>(particles_.size());
-
+const UpdateResult& ParticleFilter::update(MapModel* map, const Scan& beams) {
+  result_.resampled = false;
   Eigen::ArrayXd& log_weights = judge(map, beams);
-  const double log_likelihood_of_steps = anneal(map, beams, &log_weights, &result.resampled);
+  const double log_likelihood_of_steps = anneal(map, beams, &log_weights, &result_.resampled);
   log_weights += particles_.log_weight;
-  result.log_likelihood = log_likelihood_of_steps + normalizeLogWeights(&log_weights, &weights_);
-  result.weights_vanished = !std::isfinite(result.log_likelihood);
-  if (result.weights_vanished) {
-    weights_ = weightsOf(particles_);
+  result_.log_likelihood = log_likelihood_of_steps + normalizeLogWeights(&log_weights, &weights_);
+  result_.weights_vanished = !std::isfinite(result_.log_likelihood);
+  if (result_.weights_vanished) {
+    weightsOf(particles_, &weights_);
   } else {
     particles_.log_weight.swap(log_weights);
   }
 
-  result.effective_sample_size = effectiveSampleSize(weights_);
-  result.converging = converging_;
-  result.clusters = findClusters(particles_, weights_);
-  result.estimate = estimateFrom(result.clusters);
-  if (converging_) settleOn(result.clusters);
+  reportSet(beams);
+  if (converging_) settleOn(result_.clusters);
   const double threshold = parameters_.resample_threshold * static_cast<double>(particles_.size());
-  if (result.effective_sample_size <= threshold && !result.weights_vanished) {
+  if (result_.effective_sample_size <= threshold && !result_.weights_vanished) {
     resampleAndSettle();
-    result.resampled = true;
+    result_.resampled = true;
   }
-  return result;
+  return result_;
+}
+
+void ParticleFilter::reportSet(const Scan& beams) {
+  result_.beams = static_cast<int>(beams.size());
+  result_.particles = static_cast<int>(particles_.size());
+  result_.effective_sample_size = effectiveSampleSize(weights_);
+  result_.converging = converging_;
+  // As many as there can be: more places than ever before cost no memory either.
+  result_.clusters.reserve(static_cast<std::size_t>(particles_.size()));
+  result_.clusters = cluster_finder_.find(particles_, weights_);
+  result_.estimate = estimateFrom(result_.clusters);
 }
 
 Eigen::ArrayXd& ParticleFilter::judge(MapModel* map, const Scan& beams) {
@@ -274,7 +273,7 @@ void ParticleFilter::settleOn(const std::vector<Cluster>& clusters) {
   const std::optional<Pose2> place = onlyPlace(clusters);
   if (!place) return;
   keepNear(*place, &particles_);
-  weights_ = weightsOf(particles_);
+  weightsOf(particles_, &weights_);
   converging_ = false;
 }
 
@@ -317,9 +316,9 @@ void ParticleFilter::resampleAndSettle() {
 
   // The kernel's width after Silverman, for three dimensions.
   const double bandwidth = 0.5 * std::pow(static_cast<double>(particles_.size()), -1.0 / 7.0);
-  const Eigen::Matrix3d root =
-      bandwidth * rootOf(estimatePose(particles_, EstimateFrom::kCluster).covariance);
-  spread(root, random_, &particles_);
+  weightsOf(particles_, &weights_);
+  const Cluster& heaviest = cluster_finder_.find(particles_, weights_).front();
+  spread(bandwidth * rootOf(heaviest.estimate.covariance), random_, &particles_);
 }
 
 }  // namespace racecar_mcl

@@ -3,23 +3,22 @@
 #include <algorithm>
 #include <array>
 
-#include "pose_bins.h"
+#include "racecar_mcl/clusters.h"
+#include "racecar_mcl/resampling.h"
 #include "vector_math.h"
 
 namespace racecar_mcl {
 namespace {
 
-using Indices = std::vector<Eigen::Index>;
-
-/// Weighted sums over particles, in an order that does not depend on the instruction set.
+/// Weighted sums over poses, in an order that does not depend on the instruction set.
 class WeightedSums {
  public:
-  WeightedSums(const ParticleSet& particles, const Eigen::ArrayXd& weights)
-      : x_(particles.x.data()),
-        y_(particles.y.data()),
-        yaw_(particles.yaw.data()),
-        weights_(weights.data()),
-        size_(static_cast<int>(particles.size())) {}
+  WeightedSums(const PoseBatch& poses, const double* weights)
+      : x_(poses.x),
+        y_(poses.y),
+        yaw_(poses.yaw),
+        weights_(weights),
+        size_(static_cast<int>(poses.size)) {}
 
   Pose2 mean() const {
     // Sums about the first particle keep their digits far from the map's origin.
@@ -67,7 +66,7 @@ class WeightedSums {
   }
 
  private:
-  /// `term(i, weight, terms, k)` writes what particle i adds to each sum to terms[sum][k].
+  /// `term(i, weight, terms, k)` writes what pose i adds to each sum to terms[sum][k].
   template <std::size_t kSums, typename Term>
   RACECAR_MCL_INLINE std::array<double, kSums> sumTerms(const Term& term) const {
     constexpr int kBlock = 256;
@@ -92,34 +91,6 @@ class WeightedSums {
   int size_;
 };
 
-/// The members of a cluster as a set of their own.
-struct Members {
-  Members(const ParticleSet& particles, const Eigen::ArrayXd& all_weights, const Indices& indices) {
-    const auto count = static_cast<Eigen::Index>(indices.size());
-    set.resize(count);
-    weights.resize(count);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Eigen::Index i = indices[static_cast<std::size_t>(k)];
-      set.setPose(k, particles.pose(i));
-      weights[k] = all_weights[i];
-    }
-  }
-  ParticleSet set;
-  Eigen::ArrayXd weights;
-};
-
-/// The bins within one step in x, y and yaw, itself included.
-template <typename Visit>
-void forEachNeighbour(const PoseBin& bin, std::int32_t yaw_bins, Visit&& visit) {
-  for (std::int32_t dx = -1; dx <= 1; ++dx) {
-    for (std::int32_t dy = -1; dy <= 1; ++dy) {
-      for (std::int32_t dyaw = -1; dyaw <= 1; ++dyaw) {
-        visit(PoseBin{bin.x + dx, bin.y + dy, (bin.yaw + dyaw + yaw_bins) % yaw_bins});
-      }
-    }
-  }
-}
-
 }  // namespace
 
 double positionSigma(const PoseEstimate& estimate) {
@@ -128,10 +99,14 @@ double positionSigma(const PoseEstimate& estimate) {
   return std::sqrt(std::max(0.0, middle + std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1))));
 }
 
-PoseEstimate weightedMean(const ParticleSet& particles, const Eigen::ArrayXd& weights) {
-  const WeightedSums sums(particles, weights);
+PoseEstimate weightedMean(const PoseBatch& poses, const double* weights) {
+  const WeightedSums sums(poses, weights);
   const Pose2 mean = sums.mean();
   return {mean, sums.covarianceAbout(mean)};
+}
+
+PoseEstimate weightedMean(const ParticleSet& particles, const Eigen::ArrayXd& weights) {
+  return weightedMean(particles.poses(), weights.data());
 }
 
 PoseEstimate weightedMean(const ParticleSet& particles) {
@@ -142,51 +117,11 @@ PoseEstimate bestParticle(const ParticleSet& particles, const Eigen::ArrayXd& we
   Eigen::Index best = 0;
   weights.maxCoeff(&best);
   const Pose2 pose = particles.pose(best);
-  return {pose, WeightedSums(particles, weights).covarianceAbout(pose)};
+  return {pose, WeightedSums(particles.poses(), weights.data()).covarianceAbout(pose)};
 }
 
 PoseEstimate bestParticle(const ParticleSet& particles) {
   return bestParticle(particles, weightsOf(particles));
-}
-
-std::vector<Cluster> findClusters(const ParticleSet& particles, const PoseBins& bins) {
-  return findClusters(particles, weightsOf(particles), bins);
-}
-
-std::vector<Cluster> findClusters(const ParticleSet& particles, const Eigen::ArrayXd& weights,
-                                  const PoseBins& bins) {
-  if (particles.size() > 0 && lieInOnePlace(particles, bins)) {
-    return {{weightedMean(particles, weights), 1.0, particles.size()}};
-  }
-  BinnedParticles unvisited = groupByBin(particles, bins);
-  const std::int32_t yaw_bins = yawBinCount(bins);
-  const double total = weights.sum();
-
-  std::vector<Cluster> clusters;
-  // Seeds are taken in the order of the particles, so that the result does not depend on the hash.
-  for (Eigen::Index seed = 0; seed < particles.size(); ++seed) {
-    std::vector<PoseBin> frontier{binOf(particles.pose(seed), bins)};
-    Indices members;
-    while (!frontier.empty()) {
-      const PoseBin bin = frontier.back();
-      frontier.pop_back();
-      const auto found = unvisited.find(bin);
-      if (found == unvisited.end()) continue;
-      members.insert(members.end(), found->second.begin(), found->second.end());
-      unvisited.erase(found);
-      forEachNeighbour(bin, yaw_bins, [&](const PoseBin& next) { frontier.push_back(next); });
-    }
-    if (members.empty()) continue;
-    std::sort(members.begin(), members.end());
-    const Members cluster(particles, weights, members);
-    const double weight = cluster.weights.sum();
-    if (weight <= 0.0) continue;
-    clusters.push_back(
-        {weightedMean(cluster.set, cluster.weights), weight / total, cluster.set.size()});
-  }
-  std::stable_sort(clusters.begin(), clusters.end(),
-                   [](const Cluster& a, const Cluster& b) { return a.weight > b.weight; });
-  return clusters;
 }
 
 PoseEstimate estimatePose(const ParticleSet& particles, const Eigen::ArrayXd& weights,
@@ -195,7 +130,7 @@ PoseEstimate estimatePose(const ParticleSet& particles, const Eigen::ArrayXd& we
     case EstimateFrom::kBest:
       return bestParticle(particles, weights);
     case EstimateFrom::kCluster:
-      return findClusters(particles, weights).front().estimate;
+      return ClusterFinder().find(particles, weights).front().estimate;
     default:
       return weightedMean(particles, weights);
   }

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "pose_bins.h"
 #include "vector_math.h"
 
 namespace racecar_mcl {
@@ -94,9 +93,15 @@ double normalizeLogWeights(Eigen::ArrayXd* log_weights) {
   return normalizeLogWeights(log_weights, &weights);
 }
 
-Eigen::ArrayXd weightsOf(const ParticleSet& particles) {
+void weightsOf(const ParticleSet& particles, Eigen::ArrayXd* weights) {
   // Eigen's own makes a little more than nothing of nothing's logarithm.
-  return particles.log_weight.unaryExpr([](double value) { return std::exp(value); });
+  *weights = particles.log_weight.unaryExpr([](double value) { return std::exp(value); });
+}
+
+Eigen::ArrayXd weightsOf(const ParticleSet& particles) {
+  Eigen::ArrayXd weights;
+  weightsOf(particles, &weights);
+  return weights;
 }
 
 double effectiveSampleSize(const Eigen::ArrayXd& weights) {
@@ -133,7 +138,10 @@ ParticleSet resample(const ParticleSet& particles, Eigen::Index count, Resamplin
 }
 
 Eigen::Index countOccupiedBins(const ParticleSet& particles, const PoseBins& bins) {
-  return static_cast<Eigen::Index>(groupByBin(particles, bins).size());
+  BinNumbers numbers;
+  numbers.startAgain(static_cast<std::size_t>(particles.size()));
+  for (Eigen::Index i = 0; i < particles.size(); ++i) numbers.add(binOf(particles.pose(i), bins));
+  return numbers.size();
 }
 
 Eigen::Index kldSampleSize(Eigen::Index occupied_bins, double error, double quantile) {

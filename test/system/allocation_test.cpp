@@ -2,7 +2,11 @@
 // place of malloc, which everything else goes through: operator new and Eigen's arrays.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <limits>
+#include <opencv2/core/utility.hpp>
 #include <string>
 
 #include "racecar_mcl/particle_filter.h"
@@ -11,19 +15,35 @@
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RACECAR_MCL_COUNTS_ALLOCATIONS 1
 namespace {
+// By each thread. OpenCV's own threads are TBB's, which allocates in them when it likes to.
 thread_local int allocations = 0;
 }  // namespace
 
 extern "C" {
 void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void* malloc(std::size_t size) {
   ++allocations;
   return __libc_malloc(size);
 }
+void* calloc(std::size_t count, std::size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  ++allocations;
+  return __libc_realloc(memory, size);
+}
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
   ++allocations;
   return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+  ++allocations;
+  *memory = __libc_memalign(alignment, size);
+  return *memory != nullptr ? 0 : ENOMEM;
 }
 }
 #endif
@@ -31,52 +51,116 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
 namespace racecar_mcl {
 namespace {
 
-class AllocationWith : public testing::TestWithParam<std::string> {};
+constexpr int kUpdates = 30;
 
-TEST_P(AllocationWith, AnUpdateAllocatesOnlyItsResult) {
+/// A car that stands in a room and a filter that tracks it.
+class AllocationTest : public testing::Test {
+ protected:
+  void SetUp() override {
 #ifndef RACECAR_MCL_COUNTS_ALLOCATIONS
-  GTEST_SKIP() << "malloc cannot be counted here";
-#else
-  const Room room;
-  SensorParameters sensor;
-  sensor.sensor_model = GetParam() == "field" ? SensorModel::kLikelihoodField : SensorModel::kBeam;
-  if (GetParam() != "field") sensor.caster.range_method = GetParam();
-  const auto map = makeMapModel(room.grid(), sensor);
-  ParticleFilterParameters parameters;
-  parameters.settling_updates = 0;
-  parameters.resample_threshold = 1.0;
-  ParticleFilter filter(parameters, {}, 1);
-  const Pose2 car{2.0, 1.5, 0.4};
-  filter.initialize({car, Eigen::Matrix3d::Identity() * 0.0025});
-  Scan scan;
-  scan.bearings = Eigen::ArrayXf::LinSpaced(100, -2.3F, 2.3F);
-  scan.ranges.resize(100);
-  scan.seconds_after_stamp = Eigen::ArrayXf::Zero(100);
-  for (int k = 0; k < 100; ++k) {
-    scan.ranges[k] = static_cast<float>(room.range(car, static_cast<double>(scan.bearings[k])));
-  }
-  Motion motion;
-  motion.seconds = 0.025;
-  for (int i = 0; i < 20; ++i) {
-    const int before = allocations;
-    filter.predict(motion);
-    const UpdateResult result = filter.update(map.get(), scan);
-    const int made = allocations - before;
-    ASSERT_TRUE(result.resampled);
-    // The first makes the filter's arrays; each returns its list of places.
-    if (i == 0) {
-      ASSERT_GT(made, 1) << "nothing is counted";
-    } else {
-      ASSERT_EQ(made, 1) << "in update " << i;
+    GTEST_SKIP() << "malloc cannot be counted here";
+#endif
+    parameters_.resample_threshold = 1.0;
+    scan_.bearings = Eigen::ArrayXf::LinSpaced(100, -2.3F, 2.3F);
+    scan_.ranges.resize(100);
+    scan_.seconds_after_stamp = Eigen::ArrayXf::Zero(100);
+    for (int k = 0; k < 100; ++k) {
+      scan_.ranges[k] =
+          static_cast<float>(room_.range(car_, static_cast<double>(scan_.bearings[k])));
     }
   }
+
+  /// `model`: field, or a range method of the beam model.
+  void useModel(const std::string& model) {
+    sensor_.sensor_model = model == "field" ? SensorModel::kLikelihoodField : SensorModel::kBeam;
+    if (model != "field") sensor_.caster.range_method = model;
+  }
+
+  void expectNoneAfterTheFirst(double start_sigma = 0.05) {
+#ifdef RACECAR_MCL_COUNTS_ALLOCATIONS
+    const auto map = makeMapModel(room_.grid(), sensor_);
+    ParticleFilter filter(parameters_, {}, 1);
+    filter.initialize({car_, Eigen::Matrix3d::Identity() * start_sigma * start_sigma});
+    Motion motion;
+    motion.seconds = 0.025;
+    for (int i = 0; i < kUpdates; ++i) {
+      const int before = allocations;
+      filter.predict(motion);
+      const UpdateResult& result = filter.update(map.get(), scan_);
+      const int made = allocations - before;
+      ASSERT_TRUE(result.resampled);
+      most_places_ = std::max(most_places_, result.clusters.size());
+      if (i == 0) {
+        ASSERT_GT(made, 0) << "nothing is counted";
+      } else {
+        ASSERT_EQ(made, 0) << "in update " << i;
+      }
+    }
+#else
+    static_cast<void>(start_sigma);
 #endif
+  }
+
+  const Room room_;
+  const Pose2 car_{2.0, 1.5, 0.4};
+  Scan scan_;
+  SensorParameters sensor_;
+  ParticleFilterParameters parameters_;
+  std::size_t most_places_ = 0;  ///< where particles were at once
+};
+
+bool openCvRunsOnTbb() {
+  const std::string build = cv::getBuildInformation();
+  const std::size_t line = build.find("Parallel framework:");
+  return line != std::string::npos &&
+         build.substr(line, build.find('\n', line) - line).find("TBB") != std::string::npos;
+}
+
+struct Engine {
+  std::string model;
+  int threads;
+};
+
+class AllocationWith : public AllocationTest, public testing::WithParamInterface<Engine> {};
+
+// Of two threads, the calling one's share is counted.
+TEST_P(AllocationWith, AnUpdateAllocatesNothing) {
+  if (GetParam().threads > 1 && !openCvRunsOnTbb()) {
+    GTEST_SKIP() << "OpenCV's own threads allocate whenever they are given a job";
+  }
+  useModel(GetParam().model);
+  parameters_.num_threads = GetParam().threads;
+  expectNoneAfterTheFirst();
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, AllocationWith,
-                         testing::Values("field", "bresenham", "distance_transform", "simd",
-                                         "panorama"),
-                         [](const auto& tested) { return tested.param; });
+                         testing::Values(Engine{"field", 1}, Engine{"bresenham", 1},
+                                         Engine{"distance_transform", 1}, Engine{"simd", 1},
+                                         Engine{"panorama", 1}, Engine{"field", 2},
+                                         Engine{"simd", 2}),
+                         [](const auto& tested) {
+                           return tested.param.model + "_on_" +
+                                  std::to_string(tested.param.threads);
+                         });
+
+class AllocationFor : public AllocationTest, public testing::WithParamInterface<EstimateFrom> {};
+
+TEST_P(AllocationFor, AnEstimateAllocatesNothing) {
+  parameters_.estimate = GetParam();
+  expectNoneAfterTheFirst();
+}
+
+// While it settles, too: the default is 20 updates.
+TEST_P(AllocationFor, ASetInManyPlacesAllocatesNothing) {
+  parameters_.estimate = GetParam();
+  scan_.ranges.setConstant(std::numeric_limits<float>::infinity());  // tells nothing
+  expectNoneAfterTheFirst(5.0);
+  EXPECT_GT(most_places_, 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, AllocationFor,
+                         testing::Values(EstimateFrom::kMean, EstimateFrom::kBest,
+                                         EstimateFrom::kCluster));
 
 }  // namespace
 }  // namespace racecar_mcl

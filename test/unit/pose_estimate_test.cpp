@@ -4,38 +4,11 @@
 
 #include <cmath>
 #include <limits>
-#include <vector>
 
-#include "racecar_mcl/random.h"
+#include "support/weighted_set.h"
 
 namespace racecar_mcl {
 namespace {
-
-struct Weighted {
-  Pose2 pose;
-  double weight;
-};
-
-ParticleSet setOf(const std::vector<Weighted>& members) {
-  ParticleSet particles;
-  particles.resize(static_cast<Eigen::Index>(members.size()));
-  for (Eigen::Index i = 0; i < particles.size(); ++i) {
-    const Weighted& member = members[static_cast<std::size_t>(i)];
-    particles.setPose(i, member.pose);
-    particles.log_weight[i] = std::log(member.weight);
-  }
-  return particles;
-}
-
-/// `count` equal particles, Gaussian about a pose; their weights sum to `weight`.
-void scatter(const Pose2& centre, double sigma, int count, double weight, Random& random,
-             std::vector<Weighted>* members) {
-  for (int i = 0; i < count; ++i) {
-    const double x = centre.x + sigma * random.gaussian();
-    const double y = centre.y + sigma * random.gaussian();
-    members->push_back({{x, y, wrapAngle(centre.yaw + sigma * random.gaussian())}, weight / count});
-  }
-}
 
 TEST(WeightedMean, WeighsEachParticleByItsWeight) {
   const PoseEstimate estimate = weightedMean(
@@ -112,81 +85,6 @@ TEST(BestParticle, IsTheHeaviestWithTheSetsSpreadAboutIt) {
       bestParticle(setOf({{{1.0, 0.0, 0.0}, 0.3}, {{2.0, 0.0, 0.0}, 0.4}, {{5.0, 0.0, 0.0}, 0.3}}));
   EXPECT_EQ(estimate.base_in_map.x, 2.0);
   EXPECT_NEAR(estimate.covariance(0, 0), 0.3 * 1.0 + 0.3 * 9.0, 1e-12);
-}
-
-TEST(Clusters, ABimodalSetIsNotAveragedIntoTheWallBetween) {
-  Random random(32);
-  std::vector<Weighted> members;
-  scatter({0.0, 0.0, 0.3}, 0.1, 100, 0.6, random, &members);
-  scatter({8.0, 0.0, 0.3}, 0.1, 100, 0.4, random, &members);
-  const ParticleSet particles = setOf(members);
-  EXPECT_NEAR(estimatePose(particles, EstimateFrom::kMean).base_in_map.x, 3.2, 0.1);
-  const PoseEstimate cluster = estimatePose(particles, EstimateFrom::kCluster);
-  EXPECT_NEAR(cluster.base_in_map.x, 0.0, 0.05);
-  EXPECT_NEAR(std::sqrt(cluster.covariance(0, 0)), 0.1, 0.02);
-
-  const std::vector<Cluster> clusters = findClusters(particles);
-  ASSERT_EQ(clusters.size(), 2u);
-  EXPECT_NEAR(clusters[0].weight, 0.6, 1e-9);
-  EXPECT_NEAR(clusters[1].weight, 0.4, 1e-9);
-  EXPECT_EQ(clusters[0].particles, 100);
-  EXPECT_NEAR(clusters[1].estimate.base_in_map.x, 8.0, 0.05);
-}
-
-TEST(Clusters, WeightDecidesNotNumbers) {
-  Random random(33);
-  std::vector<Weighted> members;
-  scatter({0.0, 0.0, 0.0}, 0.1, 300, 0.3, random, &members);
-  scatter({8.0, 0.0, 0.0}, 0.1, 10, 0.7, random, &members);
-  EXPECT_NEAR(estimatePose(setOf(members), EstimateFrom::kCluster).base_in_map.x, 8.0, 0.2);
-}
-
-TEST(Clusters, OpposedHeadingsInOnePlaceAreTwo) {
-  Random random(34);
-  std::vector<Weighted> members;
-  scatter({1.0, 1.0, 0.4}, 0.05, 50, 0.5, random, &members);
-  scatter({1.0, 1.0, 0.4 - kPi}, 0.05, 50, 0.5, random, &members);
-  EXPECT_EQ(findClusters(setOf(members)).size(), 2u);
-}
-
-TEST(Clusters, AHeadingAboutPiIsOne) {
-  Random random(35);
-  std::vector<Weighted> members;
-  scatter({1.0, 1.0, kPi}, 0.2, 200, 1.0, random, &members);
-  const std::vector<Cluster> clusters = findClusters(setOf(members));
-  ASSERT_EQ(clusters.size(), 1u);
-  EXPECT_NEAR(wrapAngle(clusters[0].estimate.base_in_map.yaw - kPi), 0.0, 0.05);
-  EXPECT_NEAR(clusters[0].weight, 1.0, 1e-9);
-}
-
-TEST(Clusters, TouchAcrossEdgesAndCorners) {
-  const PoseBins bins{1.0, 0.35};
-  EXPECT_EQ(findClusters(setOf({{{0.5, 0.5, 0.0}, 0.5}, {{1.5, 1.5, 0.0}, 0.5}}), bins).size(), 1u);
-  EXPECT_EQ(findClusters(setOf({{{0.5, 0.5, 0.0}, 0.5}, {{-0.5, 0.5, 0.0}, 0.5}}), bins).size(),
-            1u);
-  EXPECT_EQ(findClusters(setOf({{{0.5, 0.5, 0.0}, 0.5}, {{2.5, 0.5, 0.0}, 0.5}}), bins).size(), 2u);
-}
-
-TEST(Clusters, LeaveOutWhatHasNoWeight) {
-  const std::vector<Cluster> clusters =
-      findClusters(setOf({{{0.0, 0.0, 0.0}, 0.0}, {{50.0, 0.0, 0.0}, 1.0}}));
-  ASSERT_EQ(clusters.size(), 1u);
-  EXPECT_EQ(clusters[0].estimate.base_in_map.x, 50.0);
-}
-
-TEST(Clusters, DoNotDependOnTheOrderOfTheParticles) {
-  Random random(36);
-  std::vector<Weighted> members;
-  scatter({0.0, 0.0, 0.0}, 0.3, 60, 0.5, random, &members);
-  scatter({5.0, 2.0, 1.0}, 0.3, 60, 0.3, random, &members);
-  scatter({-4.0, 7.0, -2.0}, 0.3, 60, 0.2, random, &members);
-  const std::vector<Cluster> forward = findClusters(setOf(members));
-  const std::vector<Cluster> backward = findClusters(setOf({members.rbegin(), members.rend()}));
-  ASSERT_EQ(forward.size(), backward.size());
-  for (std::size_t i = 0; i < forward.size(); ++i) {
-    EXPECT_NEAR(forward[i].weight, backward[i].weight, 1e-12);
-    EXPECT_EQ(forward[i].particles, backward[i].particles);
-  }
 }
 
 TEST(CarryForward, ComposesThePose) {
