@@ -45,7 +45,7 @@ struct LocalizerParameters {
 /// Throws ParameterError naming the parameter, its value and the allowed range.
 void validate(const LocalizerParameters& parameters);
 
-/// The map model these parameters ask for; see makeMapModel above.
+/// The map model that these parameters ask for: makeMapModel with their sensor.
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const LocalizerParameters& parameters);
 
 /// The beams of a scan that these parameters ask for.

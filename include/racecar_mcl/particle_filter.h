@@ -1,20 +1,16 @@
 // Monte Carlo localization: initialise, predict, update (report, section 2.3).
 #pragma once
 
-#include <memory>
-#include <optional>
+#include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
-#include "racecar_mcl/beam_model.h"
 #include "racecar_mcl/clusters.h"
-#include "racecar_mcl/global_search.h"
-#include "racecar_mcl/likelihood_field.h"
+#include "racecar_mcl/map_model.h"
 #include "racecar_mcl/motion_model.h"
-#include "racecar_mcl/occupancy_grid.h"
 #include "racecar_mcl/particles.h"
 #include "racecar_mcl/pose_estimate.h"
 #include "racecar_mcl/random.h"
-#include "racecar_mcl/range_caster.h"
 #include "racecar_mcl/resampling.h"
 #include "racecar_mcl/scan.h"
 #include "racecar_mcl/scan_weigher.h"
@@ -42,39 +38,6 @@ struct ParticleFilterParameters {
 
 /// Throws ParameterError on a value out of range.
 void validate(const ParticleFilterParameters& parameters);
-
-enum class SensorModel {
-  kBeam,             ///< cast rays, weighed by the sensor table (the report)
-  kLikelihoodField,  ///< end points on the map's distance field
-};
-
-struct SensorParameters {
-  SensorModel sensor_model = SensorModel::kLikelihoodField;
-  RangeCasterParameters caster{"simd", 0.0, UnknownIs::kFree};
-  BeamModelParameters beam;
-  LikelihoodFieldParameters field;
-  GlobalSearchParameters search;
-};
-
-/// Throws ParameterError on a value out of range.
-void validate(const SensorParameters& parameters);
-
-/// What the filter derives from a map, built once per map, off to the side.
-struct MapModel {
-  OccupancyGrid grid;
-  std::unique_ptr<RangeCaster> caster;
-  float max_range;  ///< m, the caster's
-  BeamModel beam_model;
-  std::optional<LikelihoodField>
-      likelihood_field;  ///< weighs in place of the beam model where it is there
-  GlobalSearch search;
-  std::vector<Cell> free_cells;
-};
-
-/// Throws MapError for a map without a free cell. A caster.max_range of 0 takes the range of the
-/// sensor table; less than that is a ParameterError, for expected ranges would end before measured
-/// ones.
-std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameters& sensor);
 
 /// What one scan did to the filter.
 struct UpdateResult {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
-#include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/map_model.h"
 #include "vector_math.h"
 
 namespace racecar_mcl {

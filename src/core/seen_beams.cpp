@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/map_model.h"
 
 namespace racecar_mcl {
 

@@ -8,7 +8,8 @@
 
 #include <vector>
 
-#include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/clusters.h"
+#include "racecar_mcl/map_model.h"
 
 namespace racecar_mcl {
 

@@ -5,7 +5,8 @@
 
 #include <memory>
 
-#include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/map_model.h"
+#include "racecar_mcl/scan.h"
 #include "support/ascii_map.h"
 
 namespace racecar_mcl {
