@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "racecar_mcl/localizer.h"
+#include "support/localizer_fixture.h"
+
+namespace racecar_mcl {
+namespace {
+
+struct Models {
+  SensorModel sensor;
+  MotionNoise motion;
+};
+
+class FollowingModels : public LocalizerTest, public testing::WithParamInterface<Models> {};
+
+TEST_P(FollowingModels, FollowTheCar) {
+  LocalizerParameters parameters = fewBeams();
+  parameters.sensor.sensor_model = GetParam().sensor;
+  parameters.motion.motion_model = GetParam().motion;
+  parameters.sensor.beam.table.sigma_hit = 2.0;
+  parameters.sensor.field = {0.05, 0.05, 30.0, 2.0, 1.0};
+  parameters.filter.num_particles = 400;
+  Localizer localizer = started(parameters);
+  double worst = 0.0;
+  drive(&localizer, 0.0, 4.0, [&](const ScanResult& result) {
+    EXPECT_EQ(result.outcome, ScanOutcome::kUsed);
+    if (result.stamp < start_ + 1.0) return;
+    worst = std::max(worst, distance(result.update.estimate.base_in_map, truthAt(result.stamp)));
+  });
+  EXPECT_LT(worst, 0.06);
+  expectNear(localizer.estimateAt(start_ + 4.0)->base_in_map, truthAt(start_ + 4.0), 0.05, 0.03);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    AllModels, FollowingModels,
+    testing::Values(Models{SensorModel::kBeam, MotionNoise::kConstant},
+                    Models{SensorModel::kBeam, MotionNoise::kDifferential},
+                    Models{SensorModel::kBeam, MotionNoise::kAckermann},
+                    Models{SensorModel::kLikelihoodField, MotionNoise::kConstant},
+                    Models{SensorModel::kLikelihoodField, MotionNoise::kDifferential},
+                    Models{SensorModel::kLikelihoodField, MotionNoise::kAckermann}));
+
+TEST_F(LocalizerTest, FollowsTheCarByItsDefaults) {
+  Localizer localizer = started(LocalizerParameters{});
+  drive(&localizer, 0.0, 4.0);
+  expectNear(localizer.estimateAt(start_ + 4.0)->base_in_map, truthAt(start_ + 4.0), 0.08, 0.05);
+}
+
+TEST_F(LocalizerTest, ChoosesBeamsByTheLayout) {
+  LocalizerParameters parameters = fewBeams();
+  const Scan scan = scanAt(start_);
+  const Scan even = chooseBeams(parameters, scan);
+  parameters.beam_layout = BeamLayout::kBoxed;
+  const Scan boxed = chooseBeams(parameters, scan);
+  EXPECT_EQ(even.size(), 40);
+  EXPECT_EQ(boxed.size(), 40);
+  EXPECT_GT((boxed.bearings.abs() < 0.5f).count(), (even.bearings.abs() < 0.5f).count());
+  double worst = 0.0;
+  Localizer localizer = started(parameters);
+  drive(&localizer, 0.0, 2.0, [&](const ScanResult& result) {
+    EXPECT_EQ(result.update.beams, 40);
+    worst = std::max(worst, distance(result.update.estimate.base_in_map, truthAt(result.stamp)));
+  });
+  EXPECT_LT(worst, 0.15);
+}
+
+TEST_F(LocalizerTest, OneSeedGivesOneRunBitForBit) {
+  const auto run = [&](std::uint64_t seed) {
+    Localizer localizer = started(fewBeams(), seed);
+    drive(&localizer, 0.0, 2.0);
+    return localizer;
+  };
+  const Localizer a = run(7), b = run(7), c = run(8);
+  expectSame(*a.estimateAt(start_ + 2.0), *b.estimateAt(start_ + 2.0));
+  EXPECT_TRUE((a.particles().x == b.particles().x && a.particles().y == b.particles().y &&
+               a.particles().yaw == b.particles().yaw &&
+               a.particles().log_weight == b.particles().log_weight)
+                  .all());
+  EXPECT_NE(a.estimateAt(start_ + 2.0)->base_in_map.x, c.estimateAt(start_ + 2.0)->base_in_map.x);
+}
+
+TEST_F(LocalizerTest, CorrectsForTheMotionDuringASweep) {
+  // 7 m/s and 3 rad/s round a hall, with a Hokuyo's 19 ms sweep.
+  room_ = {14.0, 10.0};
+  twist_ = {7.0, 0.0, 3.0};
+  start_pose_ = {7.0, 2.7, 0.0};
+  sweep_.seconds = 0.019;
+  // The mean of the error as the car sees it: chance cancels out, a bent sweep does not.
+  const auto bias = [&](bool deskewed) {
+    LocalizerParameters parameters = fewBeams();
+    parameters.deskew = deskewed;
+    parameters.sensor.beam.table.sigma_hit = 2.0;
+    Localizer localizer = started(parameters);
+    Eigen::Vector2d sum(0.0, 0.0);
+    int count = 0;
+    drive(&localizer, 0.0, 5.0, [&](const ScanResult& result) {
+      if (result.stamp < start_ + 1.0) return;
+      const Pose2 error = between(truthAt(result.stamp), result.update.estimate.base_in_map);
+      sum += Eigen::Vector2d(error.x, error.y);
+      ++count;
+    });
+    return sum.norm() / count;
+  };
+  EXPECT_LT(bias(true), 0.01);
+  EXPECT_GT(bias(false), 0.02);
+}
+
+TEST_F(LocalizerTest, FollowsPosesAsWellAsTwists) {
+  LocalizerParameters parameters = fewBeams();
+  parameters.odometry.motion_from = MotionFrom::kPose;
+  Localizer localizer(parameters, 1);
+  localizer.setMap(map(parameters));
+  const Pose2 odom_in_map{20.0, -7.0, 2.0};
+  for (int i = 0; i <= 150; ++i) {
+    const double stamp = start_ + i * kOdometryPeriod;
+    localizer.addOdometry({stamp, {kNan, kNan, kNan}, between(odom_in_map, truthAt(stamp))});
+    if (i == 0) localizer.initialize(startAt(start_pose_));
+    if (i > 0) localizer.addScan(scanAt(stamp - 0.007));
+  }
+  expectNear(localizer.estimateAt(start_ + 3.0)->base_in_map, truthAt(start_ + 3.0), 0.05, 0.03);
+  EXPECT_NEAR(localizer.twist().vx, twist_.vx, 1e-6);
+}
+
+}  // namespace
+}  // namespace racecar_mcl

@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include "racecar_mcl/localizer.h"
+#include "support/localizer_fixture.h"
+
+namespace racecar_mcl {
+namespace {
+
+TEST_F(LocalizerTest, RestsOnceAParkedCarHasSeenEnough) {
+  twist_ = {};
+  Localizer localizer = started();  // parked_updates = 5
+  int used = 0, parked = 0;
+  PoseEstimate last;
+  drive(&localizer, 0.0, 1.0, [&](const ScanResult& result) {
+    (result.outcome == ScanOutcome::kUsed ? used : parked) += 1;
+    if (result.outcome == ScanOutcome::kUsed) {
+      EXPECT_EQ(parked, 0);
+      last = result.update.estimate;
+    } else {
+      EXPECT_EQ(result.outcome, ScanOutcome::kParked);
+      expectSame(result.update.estimate, last);
+    }
+  });
+  EXPECT_EQ(used, 5);
+  EXPECT_EQ(parked, 35);
+  expectSame(*localizer.estimateAt(start_ + 1.0), last);
+
+  // Asked to look again, it does; driving on, it does so all the time.
+  localizer.requestUpdate();
+  EXPECT_EQ(localizer.addScan(scanAt(start_ + 1.01)).outcome, ScanOutcome::kUsed);
+  drive(&localizer, 1.01, 1.5);
+  start_pose_ = truthAt(start_ + 1.5);
+  twist_ = {1.5, 0.0, 1.0};
+  start_ += 1.5;
+  drive(&localizer, 0.0, 1.0,
+        [&](const ScanResult& result) { EXPECT_EQ(result.outcome, ScanOutcome::kUsed); });
+}
+
+TEST_F(LocalizerTest, AParkedCarsCloudDoesNotGrow) {
+  twist_ = {};
+  LocalizerParameters parameters = fewBeams();
+  parameters.parked_updates = 1000;
+  Localizer localizer = started(parameters);
+  drive(&localizer, 0.0, 1.0);
+  const double before = localizer.estimateAt(start_ + 1.0)->covariance.trace();
+  drive(&localizer, 1.0, 10.0);
+  EXPECT_LE(localizer.estimateAt(start_ + 10.0)->covariance.trace(), before);
+}
+
+TEST_F(LocalizerTest, SilentOdometryIsNoSignThatTheCarStands) {
+  Localizer localizer = started();
+  drive(&localizer, 0.0, 1.0);
+  // Scans go on, odometry does not: none of them may be skipped after a while.
+  for (int i = 60; i < 200; ++i) {
+    const double stamp = start_ + 1.0 + i * kScanPeriod;
+    EXPECT_EQ(localizer.addScan(scanAt(stamp)).outcome, ScanOutcome::kUsed);
+  }
+}
+
+}  // namespace
+}  // namespace racecar_mcl
