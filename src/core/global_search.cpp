@@ -4,10 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "lidar_poses.h"
 #include "racecar_mcl/distance_field.h"
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/resampling.h"
+#include "racecar_mcl/scan_weigher.h"
 #include "racecar_mcl/tempering.h"
 
 namespace racecar_mcl {
@@ -212,7 +212,7 @@ ParticleSet GlobalSearch::candidates(const Scan& beams, Eigen::Index count, Rand
     drawn.y[i] += spacing() * (random.uniform() - 0.5);
     drawn.yaw[i] = wrapAngle(drawn.yaw[i] + yawOf(1) * (random.uniform() - 0.5));
   }
-  field_.logLikelihood(lidarPoses(drawn, beams.laser_in_base).batch(), beams, drawn.log_weight);
+  drawn.log_weight = ScanWeigher(1).weigh(field_, drawn, beams);
   temper(kDrawnSurvivors * static_cast<double>(drawn.size()), &drawn.log_weight);
   return resample(drawn, count, ResamplingMethod::kSystematic, random);
 }

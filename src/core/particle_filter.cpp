@@ -6,7 +6,6 @@
 #include <sstream>
 #include <utility>
 
-#include "lidar_poses.h"
 #include "racecar_mcl/convergence.h"
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/scan_fit.h"
@@ -139,11 +138,8 @@ bool ParticleFilter::reconsider(MapModel* map, const Scan& beams) {
   const auto kept = static_cast<Eigen::Index>(kKeptShare * parameters_.global_particles);
   const ParticleSet found =
       map->search.candidates(beams, parameters_.global_particles - kept, random_);
-  Eigen::ArrayXd log_likelihoods(found.size());
-  map->search.field().logLikelihood(lidarPoses(found, beams.laser_in_base).batch(), beams,
-                                    log_likelihoods);
   Eigen::Index best = 0;
-  log_likelihoods.maxCoeff(&best);
+  weigher_.weigh(map->search.field(), found, beams).maxCoeff(&best);
   const double here = fitScan(map, estimate().base_in_map, beams).explained;
   const double there = fitScan(map, found.pose(best), beams).explained;
   if (1.0 - there > kBetterBy * (1.0 - here)) return false;
