@@ -82,18 +82,21 @@ class ParticleFilter {
   /// Moves the set by the car's motion.
   void predict(const Motion& motion);
 
-  /// Weighs the set by a scan whose beams were all taken from where the particles are. Needs an
-  /// initialised filter and at least one beam. What it returns is valid until the next update. Once
+  /// Weighs the set by a scan whose beams were all taken from where the particles are. Throws
+  /// std::logic_error before a start. What it returns is valid until the next update. Once
   /// the set has settled on a place and on its size, an update allocates nothing.
   const UpdateResult& update(MapModel* map, const Scan& beams);
 
   const ParticleSet& particles() const { return particles_; }
-  /// Of the set as it stands now.
+  /// Of the set as it stands now. Throws std::logic_error before a start.
   PoseEstimate estimate() const;
 
  private:
-  /// What a scan says of each particle, tempered while the set converges.
-  Eigen::ArrayXd& judge(MapModel* map, const Scan& beams);
+  /// Takes a set, with equal weights, that is still to settle and perhaps to converge.
+  void startFrom(ParticleSet particles, bool converging);
+  void requireStart() const;
+  /// The log-likelihood of a scan for each particle, tempered while the set converges.
+  Eigen::ArrayXd& weigh(MapModel* map, const Scan& beams);
   /// Weighs and resamples the set by parts of a scan until what is left of it leaves enough
   /// effective particles (an annealed particle filter). In: the scan's log likelihoods, in the
   /// weigher's own array; out: those of what is left, at the new particles. Returns the log

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "racecar_mcl/convergence.h"
@@ -101,10 +102,14 @@ void ParticleFilter::initialize(const PoseEstimate& start) {
   particles.y.setConstant(start.base_in_map.y);
   particles.yaw.setConstant(start.base_in_map.yaw);
   spread(root, random_, &particles);
-  particles.log_weight.setConstant(-std::log(static_cast<double>(particles.size())));
+  startFrom(std::move(particles), false);
+}
+
+void ParticleFilter::startFrom(ParticleSet particles, bool converging) {
   particles_ = std::move(particles);
+  particles_.log_weight.setConstant(-std::log(static_cast<double>(particles_.size())));
   settling_updates_left_ = parameters_.settling_updates;
-  converging_ = false;
+  converging_ = converging;
 }
 
 void ParticleFilter::initializeGlobally(const MapModel& map) {
@@ -118,17 +123,12 @@ void ParticleFilter::initializeGlobally(const MapModel& map) {
         gridToWorld(map.grid.geometry(), {cell.column + across, cell.row + up});
     particles.setPose(i, {point.x(), point.y(), random_.uniform(-kPi, kPi)});
   }
-  particles.log_weight.setConstant(-std::log(static_cast<double>(particles.size())));
-  particles_ = std::move(particles);
-  settling_updates_left_ = parameters_.settling_updates;
-  converging_ = true;
+  startFrom(std::move(particles), true);
 }
 
 const UpdateResult& ParticleFilter::initializeGlobally(const MapModel& map, const Scan& beams) {
-  particles_ = map.search.candidates(beams, parameters_.global_particles, random_);
+  startFrom(map.search.candidates(beams, parameters_.global_particles, random_), true);
   weightsOf(particles_, &weights_);
-  settling_updates_left_ = parameters_.settling_updates;
-  converging_ = true;
   result_ = UpdateResult{};
   reportSet(beams);
   return result_;
@@ -145,13 +145,12 @@ bool ParticleFilter::reconsider(MapModel* map, const Scan& beams) {
   if (1.0 - there > kBetterBy * (1.0 - here)) return false;
 
   const ParticleSet old = resample(particles_, kept, parameters_.resampling, random_);
-  particles_.resize(old.size() + found.size());
-  particles_.x << old.x, found.x;
-  particles_.y << old.y, found.y;
-  particles_.yaw << old.yaw, found.yaw;
-  particles_.log_weight.setConstant(-std::log(static_cast<double>(particles_.size())));
-  settling_updates_left_ = parameters_.settling_updates;
-  converging_ = true;
+  ParticleSet both;
+  both.resize(old.size() + found.size());
+  both.x << old.x, found.x;
+  both.y << old.y, found.y;
+  both.yaw << old.yaw, found.yaw;
+  startFrom(std::move(both), true);
   return true;
 }
 
@@ -161,8 +160,9 @@ void ParticleFilter::predict(const Motion& motion) {
 }
 
 const UpdateResult& ParticleFilter::update(MapModel* map, const Scan& beams) {
+  requireStart();
   result_.resampled = false;
-  Eigen::ArrayXd& log_weights = judge(map, beams);
+  Eigen::ArrayXd& log_weights = weigh(map, beams);
   const double log_likelihood_of_steps = anneal(map, beams, &log_weights, &result_.resampled);
   log_weights += particles_.log_weight;
   result_.log_likelihood = log_likelihood_of_steps + normalizeLogWeights(&log_weights, &weights_);
@@ -194,7 +194,7 @@ void ParticleFilter::reportSet(const Scan& beams) {
   result_.estimate = estimateFrom(result_.clusters);
 }
 
-Eigen::ArrayXd& ParticleFilter::judge(MapModel* map, const Scan& beams) {
+Eigen::ArrayXd& ParticleFilter::weigh(MapModel* map, const Scan& beams) {
   if (!converging_) return weigher_.weigh(map, particles_, beams);
   Eigen::ArrayXd& log_likelihoods = weigher_.weigh(map->search.field(), particles_, beams);
   log_likelihoods *= news_;
@@ -224,7 +224,7 @@ double ParticleFilter::anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* 
     drawTogether(shape.base_in_map, 1.0 - std::sqrt(1.0 - kStepKernel * kStepKernel), &particles_);
     spread(kStepKernel * rootOf(shape.covariance), random_, &particles_);
     left *= 1.0 - part;
-    judge(map, beams);
+    weigh(map, beams);
     *log_likelihoods *= left;
   }
   return log_likelihood;
@@ -253,7 +253,15 @@ PoseEstimate ParticleFilter::estimateFrom(const std::vector<Cluster>& clusters) 
   return estimatePose(particles_, weights_, kind);
 }
 
-PoseEstimate ParticleFilter::estimate() const { return estimatePose(particles_, kindOfEstimate()); }
+PoseEstimate ParticleFilter::estimate() const {
+  requireStart();
+  return estimatePose(particles_, kindOfEstimate());
+}
+
+void ParticleFilter::requireStart() const {
+  if (!initialized())
+    throw std::logic_error("the particle filter has no particles: start it first");
+}
 
 Eigen::Index ParticleFilter::nextSize() const {
   if (particles_.size() <= parameters_.num_particles) return parameters_.num_particles;

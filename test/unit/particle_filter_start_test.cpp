@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/particle_filter.h"
@@ -29,6 +30,14 @@ TEST(ParticleFilter, StartsAsThePoseAndItsCovarianceSay) {
   }
   EXPECT_NEAR(moments.covariance(0, 1), 0.03, 0.003);
   EXPECT_NEAR(filter.particles().log_weight.exp().sum(), 1.0, 1e-9);
+}
+
+TEST(ParticleFilter, SaysSoWhereItWasNotStarted) {
+  const std::shared_ptr<MapModel> map = room();
+  ParticleFilter filter(sized(100, 0.5), {}, 43);
+  EXPECT_NO_THROW(filter.predict({}));
+  EXPECT_THROW(filter.update(map.get(), scanFrom(*map, kTruth)), std::logic_error);
+  EXPECT_THROW(filter.estimate(), std::logic_error);
 }
 
 TEST(ParticleFilter, StartsWithTheReportsSpreadWhereNoneIsGiven) {

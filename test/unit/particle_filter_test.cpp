@@ -53,6 +53,24 @@ TEST(ParticleFilter, KeepsItsWeightsWhereNoParticleCanHaveSeenTheScan) {
   EXPECT_FALSE(filter.update(map.get(), scan).weights_vanished);
 }
 
+TEST(ParticleFilter, LearnsNothingFromAScanWithoutBeams) {
+  for (const SensorModel model : {SensorModel::kBeam, SensorModel::kLikelihoodField}) {
+    SensorParameters parameters = sensor(beamModel());
+    parameters.sensor_model = model;
+    for (const char* caster : {"bresenham", "distance_transform", "simd", "panorama"}) {
+      parameters.caster.range_method = caster;
+      const auto map = makeMapModel(room()->grid, parameters);
+      ParticleFilter filter(sized(100, 0.5), {}, 53);
+      filter.initialize(startAt(kTruth, {0.1, 0.1, 0.1}));
+      const UpdateResult& result =
+          filter.update(map.get(), selectBeams(scanFrom(*map, kTruth), 0, 6.0));
+      EXPECT_EQ(result.beams, 0);
+      EXPECT_FALSE(result.weights_vanished);
+      EXPECT_NEAR(result.effective_sample_size, 100.0, 1e-9);
+    }
+  }
+}
+
 TEST(ParticleFilter, ReportsWhatAnUpdateDid) {
   const std::shared_ptr<MapModel> map = room();
   ParticleFilter filter(sized(300, 1.0), {}, 49);
