@@ -28,9 +28,9 @@ struct Motion {
 /// What dead reckoning has summed up since the history began; differences of two make a Motion.
 struct OdometryState {
   Pose2 base_in_odom;
-  double distance = 0.0;
-  double rotation = 0.0;
-  double seconds = 0.0;
+  double distance = 0.0;  ///< m
+  double rotation = 0.0;  ///< rad
+  double seconds = 0.0;   ///< s, spent moving
   double messages = 0.0;
 };
 
@@ -51,6 +51,9 @@ struct OdometryParameters {
       1.0;  ///< s; a stamp this much older than the newest means that time started again
 };
 
+/// Throws ParameterError on a value out of range.
+void validate(const OdometryParameters& parameters);
+
 enum class OdometryOutcome {
   kUsed,
   kNotFinite,      ///< NaN or inf in stamp, twist or pose: dropped
@@ -69,7 +72,8 @@ std::string describe(OdometryOutcome outcome);
 /// (report, section 2.3); between messages the car moves on an arc.
 class OdometryHistory {
  public:
-  explicit OdometryHistory(OdometryParameters parameters = {}) : parameters_(parameters) {}
+  /// Throws as `validate` does.
+  explicit OdometryHistory(const OdometryParameters& parameters = {});
 
   OdometryOutcome add(const OdometrySample& sample);
 

@@ -18,8 +18,8 @@ void validate(const OdometryCalibrationParameters& parameters);
 /// ahead of the car or behind it; what the scans correct on average is the error itself.
 class OdometryCalibration {
  public:
-  explicit OdometryCalibration(OdometryCalibrationParameters parameters = {})
-      : parameters_(parameters) {}
+  /// Throws as `validate` does.
+  explicit OdometryCalibration(const OdometryCalibrationParameters& parameters = {});
 
   /// The motion as it would have been with odometry that is not off.
   Motion correct(const Motion& motion) const;

@@ -1,6 +1,10 @@
 #include "racecar_mcl/odometry.h"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "racecar_mcl/errors.h"
 
 namespace racecar_mcl {
 namespace {
@@ -43,6 +47,20 @@ bool isPlausible(const Pose2& delta, double seconds) {
 
 }  // namespace
 
+void validate(const OdometryParameters& p) {
+  std::ostringstream problem;
+  if (!(std::isfinite(p.max_odometry_gap) && p.max_odometry_gap > 0.0)) {
+    problem << "max_odometry_gap is " << p.max_odometry_gap << " s; it must be positive";
+  } else if (!(std::isfinite(p.max_odometry_extrapolation) &&
+               p.max_odometry_extrapolation >= 0.0)) {
+    problem << "max_odometry_extrapolation is " << p.max_odometry_extrapolation
+            << " s; it must not be negative";
+  } else if (!(std::isfinite(p.clock_jump) && p.clock_jump > 0.0)) {
+    problem << "clock_jump is " << p.clock_jump << " s; it must be positive";
+  }
+  if (!problem.str().empty()) throw ParameterError(problem.str());
+}
+
 Motion motionBetween(const OdometryState& earlier, const OdometryState& later) {
   return {between(earlier.base_in_odom, later.base_in_odom),
           std::max(0.0, later.distance - earlier.distance),
@@ -70,6 +88,9 @@ std::string describe(OdometryOutcome outcome) {
   }
   return "unknown";
 }
+
+OdometryHistory::OdometryHistory(const OdometryParameters& parameters)
+    : parameters_((validate(parameters), parameters)) {}
 
 OdometryOutcome OdometryHistory::add(const OdometrySample& sample) {
   const bool from_pose = parameters_.motion_from != MotionFrom::kTwist;

@@ -30,6 +30,9 @@ void validate(const OdometryCalibrationParameters& p) {
   }
 }
 
+OdometryCalibration::OdometryCalibration(const OdometryCalibrationParameters& parameters)
+    : parameters_((validate(parameters), parameters)) {}
+
 Motion OdometryCalibration::correct(const Motion& motion) const {
   Motion corrected = motion;
   const double yaw = turn_scale_ * motion.delta.yaw + curvature_ * motion.delta.x;

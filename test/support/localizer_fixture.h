@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "racecar_mcl/localizer.h"
+#include "support/expect_pose.h"
 #include "support/room.h"
 
 namespace racecar_mcl {
@@ -36,12 +37,6 @@ inline LocalizerParameters fewBeams() {
   parameters.parked_updates = 5;
   parameters.filter.estimate = EstimateFrom::kMean;
   return parameters;
-}
-
-inline void expectNear(const Pose2& a, const Pose2& b, double metres, double radians) {
-  EXPECT_NEAR(a.x, b.x, metres);
-  EXPECT_NEAR(a.y, b.y, metres);
-  EXPECT_NEAR(wrapAngle(a.yaw - b.yaw), 0.0, radians);
 }
 
 inline void expectSame(const PoseEstimate& a, const PoseEstimate& b) {

@@ -91,6 +91,7 @@ TEST(OdometryCalibration, RefusesADistanceThatIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double distance : {-1.0, 0.5, 2e6, nan}) {
     EXPECT_THROW(validate(OdometryCalibrationParameters{distance}), ParameterError) << distance;
+    EXPECT_THROW(OdometryCalibration{OdometryCalibrationParameters{distance}}, ParameterError);
   }
   EXPECT_NO_THROW(validate(OdometryCalibrationParameters{0.0}));
 }

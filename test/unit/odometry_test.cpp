@@ -4,7 +4,9 @@
 
 #include <limits>
 
+#include "racecar_mcl/errors.h"
 #include "racecar_mcl/random.h"
+#include "support/expect_pose.h"
 
 namespace racecar_mcl {
 namespace {
@@ -12,12 +14,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kPeriod = 0.02;  // s, a car's odometry at 50 Hz
-
-void expectNear(const Pose2& a, const Pose2& b, double tolerance = 1e-9) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(wrapAngle(a.yaw - b.yaw), 0.0, tolerance);
-}
 
 void expectSame(const OdometryState& a, const OdometryState& b) {
   EXPECT_EQ(a.base_in_odom.x, b.base_in_odom.x);
@@ -30,13 +26,6 @@ void expectSame(const OdometryState& a, const OdometryState& b) {
 }
 
 OdometrySample twistAt(double stamp, const Twist2& twist) { return {stamp, twist, {}}; }
-OdometrySample poseAt(double stamp, const Pose2& pose) { return {stamp, {}, pose}; }
-
-OdometryParameters fromPose() {
-  OdometryParameters parameters;
-  parameters.motion_from = MotionFrom::kPose;
-  return parameters;
-}
 
 /// `count` messages of one twist after a first one at `start`.
 OdometryHistory driven(const Twist2& twist, int count, double start = 0.0) {
@@ -237,69 +226,28 @@ TEST(OdometryHistory, StartingAgainForgetsMessagesButKeepsTheSums) {
   EXPECT_NEAR(history.at(5.5).base_in_odom.x, 1.5, 1e-9);
 }
 
-TEST(OdometryHistory, PosesAndTwistsOfOneDriveAgree) {
-  OdometryHistory from_twists;
-  OdometryHistory from_poses(fromPose());
-  Random random(4);
-  Pose2 base_in_odom{30.0, -12.0, 3.0};
-  double stamp = 5.0;
-  for (int i = 0; i < 300; ++i) {
-    const Twist2 twist{random.uniform(-2, 7), random.uniform(-0.3, 0.3), random.uniform(-3, 3)};
-    const double seconds = random.uniform(0.005, 0.05);
-    if (i > 0) base_in_odom = compose(base_in_odom, integrate(twist, seconds));
-    stamp += seconds;
-    from_twists.add(twistAt(stamp, twist));
-    from_poses.add(poseAt(stamp, base_in_odom));
-  }
-  EXPECT_NEAR(from_poses.newestTwist().vx, from_twists.newestTwist().vx, 1e-6);
-  for (double t = stamp - 7.0; t < stamp + 0.4; t += 0.0731) {
-    expectNear(from_poses.at(t).base_in_odom, from_twists.at(t).base_in_odom, 1e-6);
-    EXPECT_NEAR(from_poses.at(t).distance, from_twists.at(t).distance, 1e-6);
-    EXPECT_NEAR(from_poses.at(t).rotation, from_twists.at(t).rotation, 1e-6);
-    EXPECT_NEAR(from_poses.at(t).messages, from_twists.at(t).messages, 1e-6);
-  }
-}
-
-TEST(OdometryHistory, NeedsNoTwistsWhereItReadsPoses) {
-  OdometryHistory history(fromPose());
-  const Twist2 nothing{kNan, kNan, kNan};
-  EXPECT_EQ(history.add({0.0, nothing, {5.0, 0.0, 0.0}}), OdometryOutcome::kUsed);
-  EXPECT_EQ(history.at(0.2).base_in_odom.x, 0.0);
-  EXPECT_EQ(history.newestTwist().vx, 0.0);
-  EXPECT_EQ(history.add({0.1, nothing, {5.2, 0.0, 0.0}}), OdometryOutcome::kUsed);
-  EXPECT_NEAR(history.at(0.1).base_in_odom.x, 0.2, 1e-12);
-  EXPECT_NEAR(history.newestTwist().vx, 2.0, 1e-12);
-  EXPECT_EQ(history.add(poseAt(0.2, {kNan, 0.0, 0.0})), OdometryOutcome::kNotFinite);
-}
-
-TEST(OdometryHistory, DoesNotFollowAnOdometryFrameThatIsSetAnew) {
-  OdometryHistory history(fromPose());
-  for (int i = 0; i <= 50; ++i) history.add(poseAt(i * kPeriod, {40.0 + i * 0.04, 7.0, 1.0}));
-  const Pose2 before = history.at(1.0).base_in_odom;
-  EXPECT_EQ(history.add(poseAt(1.02, {})), OdometryOutcome::kImplausible);
-  expectNear(history.at(1.02).base_in_odom, before);
-  EXPECT_EQ(history.add(poseAt(1.04, {0.04, 0.0, 0.0})), OdometryOutcome::kUsed);
-  expectNear(history.at(1.04).base_in_odom, compose(before, {0.04, 0.0, 0.0}));
-  // Not even where the numbers leave the range of a double.
-  history.add(poseAt(1.06, {1e308, -1e308, 0.0}));
-  history.add(poseAt(1.08, {-1e308, 1e308, 2.0}));
-  history.add(poseAt(1.10, {}));
-  EXPECT_TRUE(isFinite(history.at(1.2).base_in_odom));
-}
-
-TEST(OdometryHistory, DoesNotExtrapolateTheJitterOfTwoPosesAlmostAtOnce) {
-  OdometryHistory history(fromPose());
-  history.add(poseAt(0.0, {}));
-  history.add(poseAt(0.1, {0.1, 0.0, 0.0}));
-  history.add(poseAt(0.1 + 1e-6, {0.11, 0.0, 0.0}));
-  EXPECT_NEAR(history.at(0.1 + 1e-6).base_in_odom.x, 0.11, 1e-9);
-  EXPECT_NEAR(history.at(0.3).base_in_odom.x, 0.11 + 0.2 * 1.0, 1e-5);
-}
-
 TEST(OdometryOutcome, EachHasItsOwnWords) {
   EXPECT_NE(describe(OdometryOutcome::kImplausible), describe(OdometryOutcome::kNotFinite));
   EXPECT_NE(describe(OdometryOutcome::kRepeatedStamp), describe(OdometryOutcome::kOutOfOrder));
   EXPECT_NE(describe(OdometryOutcome::kGap), describe(OdometryOutcome::kTimeJumpedBack));
+}
+
+TEST(OdometryParameters, RefuseWhatCannotBe) {
+  for (const double bad : {-0.1, kNan, kInf}) {
+    OdometryParameters gap, extrapolation, jump;
+    gap.max_odometry_gap = bad;
+    extrapolation.max_odometry_extrapolation = bad;
+    jump.clock_jump = bad;
+    for (const OdometryParameters& parameters : {gap, extrapolation, jump}) {
+      EXPECT_THROW(validate(parameters), ParameterError);
+      EXPECT_THROW(OdometryHistory{parameters}, ParameterError);
+    }
+  }
+  OdometryParameters none;
+  none.max_odometry_extrapolation = 0.0;
+  EXPECT_NO_THROW(validate(none));
+  none.max_odometry_gap = 0.0;
+  EXPECT_THROW(validate(none), ParameterError);
 }
 
 }  // namespace

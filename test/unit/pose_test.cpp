@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/expect_pose.h"
+
 namespace racecar_mcl {
 namespace {
 
-void expectNear(const Pose2& a, const Pose2& b, double tolerance = 1e-12) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(wrapAngle(a.yaw - b.yaw), 0.0, tolerance);
-}
+constexpr double kRounding = 1e-12;
 
 TEST(WrapAngle, BringsAnglesIntoTheHalfOpenTurn) {
   EXPECT_DOUBLE_EQ(wrapAngle(0.5), 0.5);
@@ -20,32 +18,32 @@ TEST(WrapAngle, BringsAnglesIntoTheHalfOpenTurn) {
 
 TEST(Pose2, ComposeThenInverseIsIdentity) {
   const Pose2 a{1.0, -2.0, 2.5};
-  expectNear(compose(a, inverse(a)), {});
-  expectNear(compose(inverse(a), a), {});
+  expectNear(compose(a, inverse(a)), {}, kRounding);
+  expectNear(compose(inverse(a), a), {}, kRounding);
 }
 
 TEST(Pose2, BetweenIsWhatComposeUndoes) {
   const Pose2 a{1.0, -2.0, 2.5};
   const Pose2 b{-0.5, 4.0, -3.0};
-  expectNear(compose(a, between(a, b)), b);
+  expectNear(compose(a, between(a, b)), b, kRounding);
 }
 
 TEST(Pose2, ComposeTurnsTheSecondByTheFirst) {
-  expectNear(compose({1.0, 2.0, kPi / 2}, {3.0, 0.0, 0.0}), {1.0, 5.0, kPi / 2});
+  expectNear(compose({1.0, 2.0, kPi / 2}, {3.0, 0.0, 0.0}), {1.0, 5.0, kPi / 2}, kRounding);
 }
 
 TEST(Integrate, DrivesAnArc) {
   // A quarter turn at 1 m/s on a circle of 2 m radius ends 2 m ahead and 2 m to the left.
-  expectNear(integrate({1.0, 0.0, 0.5}, kPi), {2.0, 2.0, kPi / 2});
+  expectNear(integrate({1.0, 0.0, 0.5}, kPi), {2.0, 2.0, kPi / 2}, kRounding);
 }
 
 TEST(Integrate, GoesOverIntoAStraightLine) {
-  expectNear(integrate({2.0, 0.5, 0.0}, 0.5), {1.0, 0.25, 0.0});
+  expectNear(integrate({2.0, 0.5, 0.0}, 0.5), {1.0, 0.25, 0.0}, kRounding);
   expectNear(integrate({2.0, 0.5, 1e-5}, 0.5), integrate({2.0, 0.5, 3e-4}, 0.5), 2e-4);
 }
 
 TEST(Interpolate, TakesTheShortWayRound) {
-  expectNear(interpolate({0, 0, 3.0}, {2, 4, -3.0}, 0.5), {1, 2, kPi});
+  expectNear(interpolate({0, 0, 3.0}, {2, 4, -3.0}, 0.5), {1, 2, kPi}, kRounding);
 }
 
 }  // namespace
