@@ -79,7 +79,7 @@ class GlobalSearch {
   int stride_ = 1;                   ///< map cells per lattice cell
   int width_ = 0;                    ///< of the lattice
   int height_ = 0;                   ///< of the lattice
-  int margin_ = 0;                   ///< lattice cells around the map, as far as a beam reaches
+  int margin_ = 0;                   ///< lattice cells around the map, as far as ends matter
   int padded_width_ = 0;             ///< of the coarse field
   std::vector<float> coarse_field_;  ///< row by row, a value per lattice cell, margins included
   std::vector<Run> runs_;

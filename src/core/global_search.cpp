@@ -115,7 +115,9 @@ void GlobalSearch::layLattice(const std::vector<Cell>& free_cells) {
 }
 
 void GlobalSearch::buildCoarseField(const std::vector<float>& obstacle_distances) {
-  margin_ = static_cast<int>(std::ceil(parameters_.search_max_range / spacing())) + 1;
+  // No end of a beam needs to be farther away than beyond the map from everywhere on it.
+  margin_ = static_cast<int>(std::min(std::ceil(parameters_.search_max_range / spacing()) + 1.0,
+                                      static_cast<double>(std::max(width_, height_))));
   padded_width_ = width_ + 2 * margin_;
   const auto size =
       static_cast<std::size_t>(padded_width_) * static_cast<std::size_t>(height_ + 2 * margin_);

@@ -146,6 +146,19 @@ TEST(GlobalSearch, WidensItsLatticeOnAMapThatIsTooLarge) {
   EXPECT_GT(search.spacing(), 0.5);
 }
 
+TEST(GlobalSearch, NeedsNoMoreMemoryForBeamsThatReachFarBeyondTheMap) {
+  const OccupancyGrid grid = flat();
+  GlobalSearchParameters parameters;
+  parameters.search_max_range = 1000.0;
+  const GlobalSearch search(grid, parameters);
+  EXPECT_LT(search.memoryBytes(), 100000u);
+  Random random(8);
+  const Pose2 truth{2.2, 1.4, 0.4};
+  Scan scan = scanFrom(grid, truth);
+  scan.ranges.head(10) = 900.0f;
+  EXPECT_GT(shareNear(search.candidates(scan, 2000, random), truth), 0.05);
+}
+
 TEST(GlobalSearch, OneSeedGivesOneResult) {
   const OccupancyGrid grid = flat();
   const GlobalSearch search(grid, {});
