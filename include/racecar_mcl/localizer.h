@@ -10,6 +10,7 @@
 
 #include "racecar_mcl/odometry.h"
 #include "racecar_mcl/odometry_calibration.h"
+#include "racecar_mcl/odometry_doubt.h"
 #include "racecar_mcl/particle_filter.h"
 #include "racecar_mcl/scan.h"
 #include "racecar_mcl/verdict.h"
@@ -27,6 +28,7 @@ struct LocalizerParameters {
   SensorParameters sensor;
   OdometryParameters odometry;
   OdometryCalibrationParameters calibration;
+  bool noise_adaptation = true;  ///< more motion noise while scans contradict the odometry
   VerdictParameters verdict;
   int num_beams_per_particle = 100;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
@@ -172,12 +174,14 @@ class Localizer {
   ScanOutcome admit(const Scan& scan);
   bool wantsRecovery(double stamp);
   Verdict judge(const ScanTask& task);
+  void learnDoubt(const ScanTask& task);
   void anchorHere();
 
   LocalizerParameters parameters_;
   ParticleFilter filter_;
   OdometryHistory odometry_;
   OdometryCalibration calibration_;
+  OdometryDoubt doubt_;
   std::shared_ptr<MapModel> map_;
   std::optional<Anchor> anchor_;
   std::optional<double> last_scan_stamp_;

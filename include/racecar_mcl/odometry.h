@@ -23,6 +23,7 @@ struct Motion {
   double seconds = 0.0;   ///< s, spent moving
   double messages =
       0.0;  ///< odometry messages it was summed from; a share of one counts as a share
+  double noise_factor = 1.0;  ///< sigmas of the motion noise are this many times the usual
 };
 
 /// What dead reckoning has summed up since the history began; differences of two make a Motion.

@@ -93,6 +93,7 @@ void Localizer::anchorHere() {
   anchor_ = Anchor{filter_.estimate(), odometry_.at(newestStamp().value_or(0.0))};
   scans_since_stop_ = 0;
   judge_.startAgain();
+  doubt_.startAgain();
   recovery_pause_ = kShortestPause;
 }
 
@@ -157,6 +158,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   }
   task.odometry = odometry_.at(scan.stamp);
   task.motion = calibration_.correct(motionBetween(anchor_->odometry, task.odometry));
+  if (parameters_.noise_adaptation) task.motion.noise_factor = doubt_.noiseFactor();
   if (parameters_.deskew && task.beams.seconds_after_stamp.maxCoeff() > 0.0f) {
     task.beams = deskew(task.beams, [&](double seconds) {
       return between(task.odometry.base_in_odom, odometry_.at(scan.stamp + seconds).base_in_odom);
@@ -224,6 +226,14 @@ Verdict Localizer::judge(const ScanTask& task) {
   return judge_.judge(evidence);
 }
 
+void Localizer::learnDoubt(const ScanTask& task) {
+  // A jump to another place says nothing of the way there.
+  if (task.search || task.recovered || task.result.update.converging) return doubt_.startAgain();
+  Motion usual = task.motion;
+  usual.noise_factor = 1.0;
+  doubt_.learn(task.correction, motionCovariance(parameters_.motion, usual), usual.seconds);
+}
+
 ScanResult Localizer::commitScan(const ScanTask& task) {
   ScanResult result = task.result;
   result.verdict = judge_.verdict();
@@ -252,6 +262,7 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
         task.recovered ? kShortestPause : std::min(2.0 * recovery_pause_, kLongestPause);
   }
   result.verdict = judge(task);
+  learnDoubt(task);
   if (result.verdict.state == VerdictState::kLocalized) {
     calibration_.learn(task.motion, task.correction);
   }

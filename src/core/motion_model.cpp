@@ -72,6 +72,18 @@ Eigen::Matrix3d ackermannNoise(const MotionModelParameters& p, const Motion& mot
   return covariance;
 }
 
+Eigen::Matrix3d usualCovariance(const MotionModelParameters& parameters, const Motion& motion) {
+  switch (parameters.motion_model) {
+    case MotionNoise::kConstant:
+      return constantNoise(parameters, motion);
+    case MotionNoise::kDifferential:
+      return differentialNoise(parameters, motion);
+    case MotionNoise::kAckermann:
+      return ackermannNoise(parameters, motion);
+  }
+  return Eigen::Matrix3d::Zero();
+}
+
 /// One motion for all particles.
 struct Step {
   Pose2 delta;
@@ -142,15 +154,7 @@ void validate(const MotionModelParameters& p) {
 
 Eigen::Matrix3d motionCovariance(const MotionModelParameters& parameters, const Motion& motion) {
   if (parameters.deterministic) return Eigen::Matrix3d::Zero();
-  switch (parameters.motion_model) {
-    case MotionNoise::kConstant:
-      return constantNoise(parameters, motion);
-    case MotionNoise::kDifferential:
-      return differentialNoise(parameters, motion);
-    case MotionNoise::kAckermann:
-      return ackermannNoise(parameters, motion);
-  }
-  return Eigen::Matrix3d::Zero();
+  return square(motion.noise_factor) * usualCovariance(parameters, motion);
 }
 
 void moveParticles(const MotionModelParameters& parameters, const Motion& motion, Random& random,

@@ -134,6 +134,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("max_odometry_extrapolation", p.odometry.max_odometry_extrapolation);
   visit("clock_jump", p.odometry.clock_jump);
   visit("calibration_distance", p.calibration.calibration_distance);
+  visit("noise_adaptation", p.noise_adaptation);
 }
 
 [[noreturn]] void refuse(const std::string& name, const std::string& text,

@@ -1,6 +1,8 @@
 // A car that is carried away, or that cannot see, on the simulated maps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "evaluation/simulated_drive.h"
 
 namespace racecar_mcl {
@@ -64,6 +66,28 @@ TEST_P(RecoveryTest, SaysThatACoveredLidarSeesNothing) {
   };
   drive.drive(0.2, [](const Observation&) {});
   EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kDegraded);
+}
+
+TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsOffByHalf) {
+  const auto greatestError = [this](std::uint64_t seed) {
+    SimulatedDrive drive = localizedDrive(seed);
+    drive.on_odometry = [](OdometrySample* sample) {
+      sample->twist.vx *= 1.5;
+      return true;
+    };
+    double greatest = 0.0;
+    drive.drive(3.0, [&](const Observation& seen) { greatest = std::max(greatest, seen.error); });
+    return greatest;
+  };
+  double adapted = 0.0, fixed = 0.0;
+  for (const std::uint64_t seed : {2, 3, 4}) {
+    parameters_.noise_adaptation = true;
+    adapted = std::max(adapted, greatestError(seed));
+    parameters_.noise_adaptation = false;
+    fixed = std::max(fixed, greatestError(seed));
+  }
+  EXPECT_LT(adapted, 0.5);
+  EXPECT_GT(fixed, 2.0 * adapted);
 }
 
 TEST_P(RecoveryTest, DoesNotSearchOnAGoodDrive) {

@@ -146,6 +146,7 @@ class WhatItBuys:
         ("noise: constant", DEFAULT, ("motion_model:=constant",)),
         ("noise: differential", DEFAULT, ("motion_model:=differential",)),
         ("beam model", DEFAULT, ("sensor_model:=beam",)),
+        ("noise that does not adapt", DEFAULT, ("noise_adaptation:=false",)),
         ("each scan at once", DEFAULT, ("min_effective_particles:=0",)),
         ("resampling at every scan", DEFAULT, ("resample_threshold:=1.0",)),
         ("best particle", DEFAULT, ("estimate:=best",)),

@@ -1,0 +1,33 @@
+#include "racecar_mcl/odometry_doubt.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace racecar_mcl {
+namespace {
+
+constexpr double kMemory = 0.25;  // s
+// A sum of corrections is a surprise from so many squared sigmas on; one of three degrees of
+// freedom that is none gets there once in a hundred times.
+constexpr double kSurprise = 12.0;
+constexpr double kMostFactor = 8.0;
+// Corrections below this say nothing, however sure the motion model is: m, m, rad.
+const Eigen::Vector3d kFloor(1e-3, 1e-3, 1e-3);
+
+}  // namespace
+
+void OdometryDoubt::learn(const Pose2& correction, const Eigen::Matrix3d& noise, double seconds) {
+  const double keep = std::exp(-std::max(0.0, seconds) / kMemory);
+  correction_ = keep * correction_ + Eigen::Vector3d(correction.x, correction.y, correction.yaw);
+  noise_ = keep * keep * noise_ + noise;
+}
+
+double OdometryDoubt::noiseFactor() const {
+  Eigen::Matrix3d noise = noise_;
+  noise.diagonal() += kFloor.cwiseAbs2();
+  const double surprise = correction_.dot(noise.ldlt().solve(correction_));
+  return std::clamp(std::sqrt(surprise / kSurprise), 1.0, kMostFactor);
+}
+
+}  // namespace racecar_mcl

@@ -1,0 +1,57 @@
+#include "racecar_mcl/odometry_doubt.h"
+
+#include <gtest/gtest.h>
+
+#include "racecar_mcl/random.h"
+
+namespace racecar_mcl {
+namespace {
+
+constexpr double kPeriod = 0.025;  // s
+const Eigen::Vector3d kSigma(0.01, 0.005, 0.008);
+const Eigen::Matrix3d kNoise = kSigma.array().square().matrix().asDiagonal();
+
+TEST(OdometryDoubt, LetsNoiseBeWhileCorrectionsPointAnywhere) {
+  OdometryDoubt doubt;
+  EXPECT_EQ(doubt.noiseFactor(), 1.0);
+  Random random(1);
+  int raised = 0;
+  for (int scan = 0; scan < 2000; ++scan) {
+    doubt.learn({kSigma.x() * random.gaussian(), kSigma.y() * random.gaussian(),
+                 kSigma.z() * random.gaussian()},
+                kNoise, kPeriod);
+    raised += doubt.noiseFactor() > 1.0 ? 1 : 0;
+    EXPECT_LT(doubt.noiseFactor(), 1.5);
+  }
+  EXPECT_LT(raised, 60);  // a hundredth, if scans in a row were independent
+}
+
+TEST(OdometryDoubt, RaisesNoiseWhileCorrectionsPointOneWay) {
+  OdometryDoubt doubt;
+  for (int scan = 0; scan < 20; ++scan) doubt.learn({-2.0 * kSigma.x(), 0.0, 0.0}, kNoise, kPeriod);
+  EXPECT_GT(doubt.noiseFactor(), 2.0);
+  const double at_two_sigmas = doubt.noiseFactor();
+  for (int scan = 0; scan < 20; ++scan) doubt.learn({-4.0 * kSigma.x(), 0.0, 0.0}, kNoise, kPeriod);
+  EXPECT_NEAR(doubt.noiseFactor(), 2.0 * at_two_sigmas, 0.2 * at_two_sigmas);
+  for (int scan = 0; scan < 60; ++scan) doubt.learn({}, kNoise, kPeriod);
+  EXPECT_EQ(doubt.noiseFactor(), 1.0);
+}
+
+TEST(OdometryDoubt, HasABoundAndStartsAgain) {
+  OdometryDoubt doubt;
+  doubt.learn({10.0, 0.0, 0.0}, Eigen::Matrix3d::Zero(), kPeriod);
+  EXPECT_EQ(doubt.noiseFactor(), 8.0);
+  doubt.startAgain();
+  EXPECT_EQ(doubt.noiseFactor(), 1.0);
+}
+
+TEST(OdometryDoubt, IgnoresCorrectionsOfAParkedCarBelowAMillimetre) {
+  OdometryDoubt doubt;
+  for (int scan = 0; scan < 3; ++scan) {
+    doubt.learn({5e-4, 0.0, 0.0}, Eigen::Matrix3d::Zero(), kPeriod);
+  }
+  EXPECT_EQ(doubt.noiseFactor(), 1.0);
+}
+
+}  // namespace
+}  // namespace racecar_mcl
