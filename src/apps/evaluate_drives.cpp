@@ -21,13 +21,22 @@ constexpr double kClearance = 0.3;    // m, about the car where it starts
 constexpr double kFarAway = 2.0;      // m, that a kidnapped car is carried at least
 constexpr double kCoverRange = 0.05;  // m, where the beams of a covered lidar end
 
-enum class Trouble { kNone, kGlobalStart, kKidnap, kObstacles, kCovered, kFrozen, kScale };
+enum class Trouble {
+  kNone,
+  kGlobalStart,
+  kKidnap,
+  kObstacles,
+  kCovered,
+  kFrozen,
+  kScale,
+  kWrongStart
+};
 
 const std::map<std::string, Trouble> kTroubles = {
     {"none", Trouble::kNone},         {"start", Trouble::kGlobalStart},
     {"kidnap", Trouble::kKidnap},     {"obstacles", Trouble::kObstacles},
     {"covered", Trouble::kCovered},   {"frozen_odometry", Trouble::kFrozen},
-    {"wrong_scale", Trouble::kScale},
+    {"wrong_scale", Trouble::kScale}, {"wrong_start", Trouble::kWrongStart},
 };
 
 struct Options {
@@ -102,12 +111,22 @@ Pose2 somewhereElse(const Course& course, const Pose2& here, Random& random) {
   }
 }
 
+PoseEstimate certainlyAt(const Pose2& pose) {
+  PoseEstimate start{pose, Eigen::Matrix3d::Zero()};
+  start.covariance.diagonal() << 0.01, 0.01, 0.0025;
+  return start;
+}
+
 void begin(Trouble trouble, const Course& course, Random& random, SimulatedDrive* drive) {
   sim::SimulatorParameters parameters = drive->simulator().parameters();
   switch (trouble) {
     case Trouble::kKidnap:
       drive->simulator().place(
           somewhereElse(course, drive->simulator().truth().base_in_map, random));
+      break;
+    case Trouble::kWrongStart:
+      drive->localizer().initialize(
+          certainlyAt(somewhereElse(course, drive->simulator().truth().base_in_map, random)));
       break;
     case Trouble::kCovered:
       drive->on_scan = [](Scan* scan) {
@@ -149,9 +168,7 @@ Watch driveThrough(Trouble trouble, const Course& course, const LocalizerParamet
   if (trouble == Trouble::kGlobalStart) {
     drive.localizer().initializeGlobally();
   } else {
-    PoseEstimate start{pose, Eigen::Matrix3d::Zero()};
-    start.covariance.diagonal() << 0.01, 0.01, 0.0025;
-    drive.localizer().initialize(start);
+    drive.localizer().initialize(certainlyAt(pose));
     begun += options.before;
     drive.drive(options.before, see);
     begin(trouble, course, random, &drive);
