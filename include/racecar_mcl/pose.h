@@ -9,6 +9,8 @@ constexpr double kPi = 3.14159265358979323846;
 
 /// An angle brought into (-pi, pi].
 inline double wrapAngle(double angle) {
+  // Most angles are; the remainder of one costs as much as its sine.
+  if (angle > -kPi && angle <= kPi) return angle;
   const double wrapped = std::remainder(angle, 2.0 * kPi);
   return wrapped <= -kPi ? kPi : wrapped;
 }

@@ -1,13 +1,33 @@
 #include "range_casters/panorama_cache.h"
 
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
 #include <algorithm>
+#include <new>
 
 namespace racecar_mcl {
+namespace {
+
+/// Memory that nothing was written to, on huge pages where the system has them.
+std::uint16_t* allocate(std::size_t count) {
+  constexpr std::size_t kHugePage = 2 << 20;
+  const std::size_t bytes = (count * sizeof(std::uint16_t) / kHugePage + 1) * kHugePage;
+  void* const memory = std::aligned_alloc(kHugePage, bytes);
+  if (memory == nullptr) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+  madvise(memory, bytes, MADV_HUGEPAGE);  // a wish: where it is not granted, pages are small
+#endif
+  return static_cast<std::uint16_t*>(memory);
+}
+
+}  // namespace
 
 PanoramaCache::PanoramaCache(std::size_t bytes, int directions)
     : stride_(static_cast<std::size_t>(directions)),
       slots_(bytes / (sizeof(Slot) + stride_ * sizeof(std::uint16_t)) / kWays * kWays),
-      ranges_(new std::uint16_t[slots_.size() * stride_]) {}
+      ranges_(allocate(slots_.size() * stride_)) {}
 
 std::size_t PanoramaCache::firstOfSet(std::uint64_t place) const {
   // The upper half of a product with a large odd number is well mixed (Knuth's multiplicative
