@@ -34,20 +34,37 @@ def children_of(pid):
     return below[1:]
 
 
+def environment(port, folder):
+    """The variables of programs that belong to the roscore on `port` and log to `folder`."""
+    variables = dict(os.environ, ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1",
+                     ROS_HOME=str(folder / "ros"))
+    variables.pop("ROS_HOSTNAME", None)
+    return variables
+
+
+def end(process):
+    """Asks a Popen and then makes it end."""
+    for request in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        if process.poll() is not None:
+            return
+        process.send_signal(request)
+        try:
+            process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            continue
+
+
 class RosGraph:
     """`with RosGraph(package, launch_file, arguments, folder) as graph:` runs it; logs go to `folder`."""
 
     def __init__(self, package, launch_file, arguments, folder):
         port = free_port()
-        environment = dict(os.environ, ROS_MASTER_URI=f"http://127.0.0.1:{port}",
-                           ROS_IP="127.0.0.1", ROS_HOME=str(folder / "ros"))
-        environment.pop("ROS_HOSTNAME", None)
         self.log = folder / "roslaunch.log"
         command = ["roslaunch", "--port", str(port), package, launch_file]
         command += [f"{name}:={value}" for name, value in arguments.items()]
         with open(self.log, "wb") as log:
             # Its own session: Ctrl-C reaches this program only, which then ends the graph in order.
-            self.process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL,
+            self.process = subprocess.Popen(command, env=environment(port, folder), stdin=subprocess.DEVNULL,
                                             stdout=log, stderr=subprocess.STDOUT,
                                             start_new_session=True)
 
@@ -70,14 +87,7 @@ class RosGraph:
 
     def stop(self):
         started = children_of(self.process.pid)
-        for request in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
-            if self.process.poll() is not None:
-                break
-            self.process.send_signal(request)
-            try:
-                self.process.wait(PATIENCE)
-            except subprocess.TimeoutExpired:
-                continue
+        end(self.process)
         if self.process.returncode != -signal.SIGKILL:
             return
         # A roslaunch that had to be killed has ended none of its nodes.
