@@ -4,10 +4,10 @@
 
 namespace racecar_mcl {
 
-LaserMounts::LaserMounts(const NodeParameters& parameters)
+LaserMounts::LaserMounts(const ros::NodeHandle& tf_node, const NodeParameters& parameters)
     : base_frame_(parameters.particle_filter_frame),
       world_frames_{parameters.map_frame, parameters.odom_frame},
-      listener_(buffer_) {}
+      listener_(buffer_, tf_node, false) {}
 
 std::vector<std::string> LaserMounts::carriersOf(std::string frame) const {
   const auto is_world = [&](const std::string& name) {

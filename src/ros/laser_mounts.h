@@ -1,6 +1,7 @@
 // Where lidars sit on the car, from tf.
 #pragma once
 
+#include <ros/node_handle.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
@@ -15,7 +16,8 @@ namespace racecar_mcl {
 
 class LaserMounts {
  public:
-  explicit LaserMounts(const NodeParameters& parameters);
+  /// Hears tf through `tf_node`, whenever somebody calls what waits in its callback queue.
+  LaserMounts(const ros::NodeHandle& tf_node, const NodeParameters& parameters);
 
   /// The mount of the lidar whose scans come in `laser_frame`, as tf has it now; it does not wait.
   ///

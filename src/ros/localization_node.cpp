@@ -15,6 +15,12 @@ constexpr double kOtherTime = 10.0;  // s
 // How often it is asked whether the inputs have fallen silent.
 constexpr double kVerdictPeriod = 0.1;  // s, of wall time
 
+/// The same node with another queue for its callbacks.
+ros::NodeHandle withQueue(ros::NodeHandle node, ros::CallbackQueue* queue) {
+  node.setCallbackQueue(queue);
+  return node;
+}
+
 ros::TransportHints lowLatency() { return ros::TransportHints().tcpNoDelay(); }
 
 /// Throws MapError where the map has no free cell and ParameterError where the pose is not on it.
@@ -34,10 +40,11 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
       localizer_(parameters_.localizer, static_cast<std::uint64_t>(parameters_.seed)),
       silence_(parameters_.max_silence),
       output_(node, parameters_),
-      laser_mounts_(parameters_),
+      tf_node_(withQueue(node, &tf_queue_)),
+      laser_mounts_(tf_node_, parameters_),
+      tf_parent_watch_(tf_node_, parameters_),
       tf_odometry_(parameters_.odom_frame, parameters_.particle_filter_frame,
-                   parameters_.localizer.odometry.clock_jump),
-      tf_parent_watch_(node, parameters_) {
+                   parameters_.localizer.odometry.clock_jump) {
   diagnostics_publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
   if (parameters_.initial_pose) start({*parameters_.initial_pose, Eigen::Matrix3d::Zero()});
 
@@ -315,6 +322,7 @@ void LocalizationNode::refuse(std::uint64_t NodeStatus::*counter, const std::str
 void LocalizationNode::onVerdictTimer(const ros::WallTimerEvent&) { publishVerdict(); }
 
 void LocalizationNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
+  tf_queue_.callAvailable();
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
   NodeStatus status;

@@ -11,6 +11,7 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/SetMap.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <std_srvs/Empty.h>
@@ -105,9 +106,13 @@ class LocalizationNode {
   double base_in_odom_stamp_ = 0.0;
 
   LocalizationOutput output_;
+  // tf comes with every pose, the node's own included. It waits here until it is needed, at a scan
+  // and for the diagnostics: to be woken for each transform would cost more than to localize.
+  ros::CallbackQueue tf_queue_;
+  ros::NodeHandle tf_node_;
   LaserMounts laser_mounts_;
-  TfOdometry tf_odometry_;
   TfParentWatch tf_parent_watch_;
+  TfOdometry tf_odometry_;
   LogLimiter log_limiter_;
 
   LatestSlot<ReceivedScan> newest_scan_;

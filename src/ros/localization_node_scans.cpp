@@ -31,6 +31,7 @@ std::optional<Scan> LocalizationNode::readScan(const sensor_msgs::LaserScan& mes
     odometry_frame = odometry_frame_;
   }
   std::uint64_t NodeStatus::*counter = &NodeStatus::scans_without_tf;
+  tf_queue_.callAvailable();
   try {
     *mount = laser_mounts_.find(stripLeadingSlash(message.header.frame_id), odometry_frame);
     counter = &NodeStatus::scans_unreadable;
