@@ -160,8 +160,9 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   task.motion = calibration_.correct(motionBetween(anchor_->odometry, task.odometry));
   if (parameters_.noise_adaptation) task.motion.noise_factor = doubt_.noiseFactor();
   if (parameters_.deskew && task.beams.seconds_after_stamp.maxCoeff() > 0.0f) {
+    const Pose2 odom_in_base = inverse(task.odometry.base_in_odom);
     task.beams = deskew(task.beams, [&](double seconds) {
-      return between(task.odometry.base_in_odom, odometry_.at(scan.stamp + seconds).base_in_odom);
+      return compose(odom_in_base, odometry_.at(scan.stamp + seconds).base_in_odom);
     });
   }
   // Silent odometry is no sign that the car stands.

@@ -35,33 +35,42 @@ double heading(const Quaternion& q) {
   return std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
 }
 
-void validate(const sensor_msgs::LaserScan& scan) {
-  std::ostringstream problem;
+/// What makes a scan unusable; empty where nothing does.
+std::string problemOf(const sensor_msgs::LaserScan& scan) {
+  const auto beams = static_cast<double>(scan.ranges.size());
+  const bool turns = std::isfinite(scan.angle_increment) && scan.angle_increment != 0.0f &&
+                     std::abs(scan.angle_increment) * beams <= 13.0;
+  const bool runs_backwards = scan.angle_increment < 0.0f && scan.angle_max > scan.angle_min;
+  const bool has_times = std::isfinite(scan.time_increment) && scan.time_increment >= 0.0f;
+  const bool is_brief = static_cast<double>(scan.time_increment) * beams <= 2.0;
+  const bool has_range = scan.range_max > scan.range_min;  // false where one is NaN
+  if (!scan.ranges.empty() && std::isfinite(scan.angle_min) && turns && !runs_backwards &&
+      has_times && is_brief && has_range) {
+    return {};
+  }
+  std::ostringstream problem;  // costs more than all of the above
   if (scan.ranges.empty()) {
     problem << "the scan is empty; expected at least one range";
   } else if (!std::isfinite(scan.angle_min)) {
     problem << "the scan's angle_min is " << scan.angle_min << "; it must be finite";
-  } else if (!std::isfinite(scan.angle_increment) || scan.angle_increment == 0.0f ||
-             std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size()) > 13.0) {
+  } else if (!turns) {
     problem << "the scan's angle_increment is " << scan.angle_increment << " rad for "
             << scan.ranges.size()
             << " ranges; it must be finite, not zero, and span at most two turns";
-  } else if (scan.angle_increment < 0.0f && scan.angle_max > scan.angle_min) {
+  } else if (runs_backwards) {
     problem << "the scan's angle_increment is " << scan.angle_increment
             << " rad though angle_max lies above angle_min";
-  } else if (!std::isfinite(scan.time_increment) || scan.time_increment < 0.0f) {
+  } else if (!has_times) {
     problem << "the scan's time_increment is " << scan.time_increment
             << " s; it must be finite and not negative";
-  } else if (static_cast<double>(scan.time_increment) * static_cast<double>(scan.ranges.size()) >
-             2.0) {
+  } else if (!is_brief) {
     problem << "the scan's time_increment is " << scan.time_increment << " s for "
             << scan.ranges.size() << " ranges; no sweep takes longer than 2 s";
-  } else if (std::isnan(scan.range_min) || std::isnan(scan.range_max) ||
-             scan.range_max <= scan.range_min) {
+  } else {
     problem << "the scan's range_min " << scan.range_min << " m and range_max " << scan.range_max
             << " m leave no valid range";
   }
-  if (!problem.str().empty()) throw MessageError(problem.str());
+  return problem.str();
 }
 
 }  // namespace
@@ -168,7 +177,8 @@ LaserMount toLaserMount(const geometry_msgs::Transform& laser_in_base) {
 }
 
 Scan toScan(const sensor_msgs::LaserScan& message, const LaserMount& mount) {
-  validate(message);
+  const std::string problem = problemOf(message);
+  if (!problem.empty()) throw MessageError(problem);
   const double sense = mount.upside_down ? -1.0 : 1.0;
   const auto count = static_cast<Eigen::Index>(message.ranges.size());
   Scan scan;
