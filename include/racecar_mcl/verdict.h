@@ -74,6 +74,7 @@ class Judge {
   int doubtfulScans() const { return doubtful_scans_; }
 
  private:
+  void followClock(double stamp);
   void average(const Evidence& evidence);
   void learnUsual(double travelled);
   double leastUsual() const;

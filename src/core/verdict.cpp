@@ -74,6 +74,13 @@ void Judge::startAgain() {
   travelled_ = 0.0;
 }
 
+void Judge::followClock(double stamp) {
+  // What began later than now began in a time that the clock has left.
+  for (std::optional<double>* since : {&doubtful_since_, &unusable_since_}) {
+    if (*since && **since > stamp) *since = stamp;
+  }
+}
+
 void Judge::average(const Evidence& evidence) {
   const double elapsed = heard_ ? std::max(0.0, evidence.stamp - last_stamp_) : 1e9;
   const double keep = std::exp(-elapsed / parameters_.verdict_time);
@@ -128,6 +135,7 @@ Verdict Judge::conclude(const Evidence& evidence) const {
 }
 
 const Verdict& Judge::judge(const Evidence& evidence) {
+  followClock(evidence.stamp);
   average(evidence);
   unusable_since_.reset();
   verdict_ = conclude(evidence);
@@ -147,6 +155,7 @@ const Verdict& Judge::judge(const Evidence& evidence) {
 }
 
 const Verdict& Judge::judgeUnusable(double stamp) {
+  followClock(stamp);
   if (!unusable_since_) unusable_since_ = stamp;
   if (stamp - *unusable_since_ > kUnusableTime && verdict_.state == VerdictState::kLocalized) {
     verdict_.state = VerdictState::kDegraded;

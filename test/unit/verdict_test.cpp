@@ -56,6 +56,22 @@ TEST_F(VerdictTest, IsLostWithinASecondOfBeamsThatNothingExplains) {
   EXPECT_EQ(judge_.doubtfulScans(), 0);
 }
 
+TEST_F(VerdictTest, CountsDoubtOnWhereTheClockJumpsBack) {
+  EXPECT_EQ(after(5.0), VerdictState::kLocalized);
+  evidence_.fit.explained = 0.3;
+  EXPECT_EQ(after(1.0), VerdictState::kLost);
+  evidence_.stamp -= 100.0;
+  EXPECT_EQ(after(0.5), VerdictState::kLost);
+  EXPECT_NEAR(judge_.doubtfulFor(), 0.475, 1e-6);
+}
+
+TEST_F(VerdictTest, SaysThatScansAreUnusableWhereTheClockJumpsBack) {
+  EXPECT_EQ(after(5.0), VerdictState::kLocalized);
+  judge_.judgeUnusable(evidence_.stamp);
+  EXPECT_EQ(judge_.judgeUnusable(evidence_.stamp - 100.0).state, VerdictState::kLocalized);
+  EXPECT_EQ(judge_.judgeUnusable(evidence_.stamp - 99.0).state, VerdictState::kDegraded);
+}
+
 TEST_F(VerdictTest, IsDegradedWhereAFewBeamsMoreThanUsualAreUnexplained) {
   EXPECT_EQ(after(10.0), VerdictState::kLocalized);
   evidence_.fit.explained = 0.8;
