@@ -94,6 +94,7 @@ TEST_F(LocalizationStartTest, FromInitialPose) {
 TEST_F(LocalizationStartTest, HonoursTheCovarianceOfInitialPose) {
   parameters_.setParam("num_particles", 4000);
   parameters_.setParam("resample_threshold", 0.0);
+  parameters_.setParam("min_effective_particles", 0);
   startNode();
   publishMap();
   ASSERT_TRUE(listener_.waitForLog("map of"));
@@ -114,6 +115,7 @@ TEST_F(LocalizationStartTest, HonoursTheCovarianceOfInitialPose) {
 TEST_F(LocalizationStartTest, TakesTheParametersSpreadWhereInitialPoseBringsNone) {
   parameters_.setParam("num_particles", 4000);
   parameters_.setParam("resample_threshold", 0.0);
+  parameters_.setParam("min_effective_particles", 0);
   parameters_.setParam("initial_sigma", 0.4);
   startNode();
   publishMap();
