@@ -8,9 +8,10 @@ namespace racecar_mcl {
 namespace {
 
 constexpr double kMemory = 0.25;  // s
-// A sum of corrections is a surprise from so many squared sigmas on; one of three degrees of
-// freedom that is none gets there once in a hundred times.
-constexpr double kSurprise = 12.0;
+// A sum of corrections is a surprise from so many squared sigmas on: chance, with its three degrees
+// of freedom, gets there once in five thousand times. Then the noise grows until it is this many.
+constexpr double kSurprise = 20.0;
+constexpr double kUnsurprising = 12.0;
 constexpr double kMostFactor = 8.0;
 // Corrections below this say nothing, however sure the motion model is: m, m, rad.
 const Eigen::Vector3d kFloor(1e-3, 1e-3, 1e-3);
@@ -27,7 +28,7 @@ double OdometryDoubt::noiseFactor() const {
   Eigen::Matrix3d noise = noise_;
   noise.diagonal() += kFloor.cwiseAbs2();
   const double surprise = correction_.dot(noise.ldlt().solve(correction_));
-  return std::clamp(std::sqrt(surprise / kSurprise), 1.0, kMostFactor);
+  return surprise < kSurprise ? 1.0 : std::min(std::sqrt(surprise / kUnsurprising), kMostFactor);
 }
 
 }  // namespace racecar_mcl
