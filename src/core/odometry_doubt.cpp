@@ -11,7 +11,7 @@ constexpr double kMemory = 0.25;  // s
 // A sum of corrections is a surprise from so many squared sigmas on: chance, with its three degrees
 // of freedom, gets there once in five thousand times. Then the noise grows until it is this many.
 constexpr double kSurprise = 20.0;
-constexpr double kUnsurprising = 12.0;
+constexpr double kUnsurprising = 5.0;
 constexpr double kMostFactor = 8.0;
 // Corrections below this say nothing, however sure the motion model is: m, m, rad.
 const Eigen::Vector3d kFloor(1e-3, 1e-3, 1e-3);
