@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "evaluation/simulated_drive.h"
 
@@ -79,15 +80,18 @@ TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsOffByHalf) {
     drive.drive(3.0, [&](const Observation& seen) { greatest = std::max(greatest, seen.error); });
     return greatest;
   };
-  double adapted = 0.0, fixed = 0.0;
-  for (const std::uint64_t seed : {2, 3, 4}) {
+  // Where the walls tell nothing of the way along them, no noise helps: hence the median.
+  std::vector<double> adapted, fixed;
+  for (std::uint64_t seed = 2; seed < 9; ++seed) {
     parameters_.noise_adaptation = true;
-    adapted = std::max(adapted, greatestError(seed));
+    adapted.push_back(greatestError(seed));
     parameters_.noise_adaptation = false;
-    fixed = std::max(fixed, greatestError(seed));
+    fixed.push_back(greatestError(seed));
   }
-  EXPECT_LT(adapted, 0.5);
-  EXPECT_GT(fixed, 2.0 * adapted);
+  std::sort(adapted.begin(), adapted.end());
+  std::sort(fixed.begin(), fixed.end());
+  EXPECT_LT(adapted[3], 0.3);
+  EXPECT_LT(adapted[3], 0.5 * fixed[3]);
 }
 
 TEST_P(RecoveryTest, DoesNotSearchOnAGoodDrive) {
