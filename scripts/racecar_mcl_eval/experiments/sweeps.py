@@ -86,7 +86,7 @@ class ErrorAgainst:
         ("num_particles", "particles", CONFIGS, (25, 50, 100, 200, 500, 1000)),
         ("num_beams_per_particle", "beams", CONFIGS, (10, 25, 50, 100, 200, 400)),
         ("squash_factor", "squash_factor (beam model)", (REPORT,), (1.0, 2.2, 4.0, 8.0, 16.0)),
-        ("field_squash", "field_squash (likelihood field)", (DEFAULT,), (1.0, 2.2, 5.3, 12.0, 25.0)),
+        ("field_squash", "field_squash (likelihood field)", (DEFAULT,), (1.0, 2.2, 5.5, 12.0, 25.0)),
         ("sigma_hit", "sigma_hit (pixels, beam model)", (REPORT,), (1.0, 2.0, 4.0, 8.0, 16.0)),
         ("field_sigma", "field_sigma (m, likelihood field)", (DEFAULT,), (0.01, 0.02, 0.045, 0.1, 0.2)))
 
