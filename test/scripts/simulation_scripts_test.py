@@ -5,6 +5,7 @@ import importlib.util
 import math
 import os
 import pty
+import signal
 import subprocess
 import sys
 import time
@@ -62,18 +63,30 @@ class Teleop(unittest.TestCase):
         self.assertIn(b"no terminal", result.stderr)
 
     def testLeavesTheTerminalAsItWas(self):
+        # At once, and when its node's threads are running.
+        for delay in (0.0, 1.0):
+            for number in (signal.SIGINT, signal.SIGTERM):
+                with self.subTest(delay=delay, signal=number):
+                    self.end(number, delay)
+
+    def end(self, number, delay):
         master, slave = pty.openpty()
         before = teleop.termios.tcgetattr(slave)
-        # Without a master it waits to be registered, in raw mode already; Ctrl-C then ends it.
+        # Without a master it waits to be registered, in raw mode already; a signal then ends it.
         environment = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:1")
         with subprocess.Popen([str(SCRIPTS / "teleop")], stdin=slave, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL, env=environment) as process:
             end = time.monotonic() + 20.0
             while teleop.termios.tcgetattr(slave) == before and time.monotonic() < end:
                 time.sleep(0.05)
-            self.assertNotEqual(teleop.termios.tcgetattr(slave), before)
-            process.send_signal(2)
-            process.wait(20.0)
+            raw = teleop.termios.tcgetattr(slave)
+            time.sleep(delay)
+            process.send_signal(number)
+            try:
+                process.wait(20.0)
+            finally:
+                process.kill()
+        self.assertNotEqual(raw, before)
         self.assertEqual(teleop.termios.tcgetattr(slave), before)
         os.close(master)
         os.close(slave)
