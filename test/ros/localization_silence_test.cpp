@@ -35,6 +35,8 @@ class LocalizationSilenceTest : public LocalizationTest {
   void expectDegraded(const std::string& reason) {
     expectVerdict("degraded");
     EXPECT_EQ(verdict_.newest().level, diagnostic_msgs::DiagnosticStatus::WARN);
+    // Where everything stops, odometry may be missed a moment before the scans are.
+    listener_.waitFor([&] { return listener_.diagnostic("reason").rfind(reason, 0) == 0; });
     EXPECT_EQ(listener_.diagnostic("reason").rfind(reason, 0), 0U)
         << listener_.diagnostic("reason");
     EXPECT_EQ(listener_.diagnostics().message.rfind("degraded: " + reason, 0), 0U)
