@@ -17,7 +17,7 @@ struct LikelihoodFieldParameters {
   double field_max_range = 30.0;  ///< m, longer beams and those without a return are not weighed
   double field_squash = 5.5;      ///< a particle's weight is the product of its beams to the power
                                   ///< 1 / this
-  double field_inside = 0.5;  ///< what a metre behind the surface of a thick wall (0.45 m and more)
+  double field_inside = 0.1;  ///< what a metre behind the surface of a thick wall (0.45 m and more)
                               ///< counts against one in front of it, in [0, 1]
 };
 

@@ -30,7 +30,7 @@ struct LocalizerParameters {
   OdometryCalibrationParameters calibration;
   bool noise_adaptation = true;  ///< more motion noise while scans contradict the odometry
   VerdictParameters verdict;
-  int num_beams_per_particle = 100;
+  int num_beams_per_particle = 150;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
   BeamLayout beam_layout = BeamLayout::kEven;
   double beam_box_aspect = 3.0;  ///< length by width of the corridor of a boxed layout
@@ -102,7 +102,6 @@ class Localizer {
     ScanResult result;
     Scan beams;              ///< chosen and deskewed
     Motion motion;           ///< since the scan before
-    OdometryState odometry;  ///< at the scan's stamp
     PoseEstimate predicted;  ///< at the scan's stamp, by odometry alone
     Pose2 correction;        ///< where the scan put the car, seen from `predicted`
     ScanFit fit;             ///< from the estimate
@@ -134,7 +133,7 @@ class Localizer {
   /// True when odometry reaches up to this stamp, so that a scan need not guess the last bit of
   /// motion.
   bool odometryCovers(double stamp) const {
-    return !odometry_.empty() && odometry_.newestStamp() >= stamp;
+    return !odometry_.empty() && odometry_.newestStamp() >= stamp + calibration_.delay();
   }
 
   /// prepareScan, processScan and commitScan in one.
@@ -171,6 +170,10 @@ class Localizer {
     OdometryState odometry;
   };
 
+  /// What odometry had summed up when the car was where it was at this time.
+  OdometryState odometryAt(double stamp) const {
+    return odometry_.at(stamp + calibration_.delay());
+  }
   ScanOutcome admit(const Scan& scan);
   bool wantsRecovery(double stamp);
   Verdict judge(const ScanTask& task);

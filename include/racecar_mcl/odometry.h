@@ -23,6 +23,7 @@ struct Motion {
   double seconds = 0.0;   ///< s, spent moving
   double messages =
       0.0;  ///< odometry messages it was summed from; a share of one counts as a share
+  Twist2 twist_change = {};   ///< the twist at its end less that at its beginning
   double noise_factor = 1.0;  ///< sigmas of the motion noise are this many times the usual
 };
 
@@ -33,6 +34,7 @@ struct OdometryState {
   double rotation = 0.0;  ///< rad
   double seconds = 0.0;   ///< s, spent moving
   double messages = 0.0;
+  Twist2 twist = {};  ///< at that time
 };
 
 Motion motionBetween(const OdometryState& earlier, const OdometryState& later);

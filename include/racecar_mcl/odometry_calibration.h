@@ -13,9 +13,10 @@ struct OdometryCalibrationParameters {
 /// Throws ParameterError on a distance that is neither 0 nor in [1, 1e6].
 void validate(const OdometryCalibrationParameters& parameters);
 
-/// Three errors that stay: of the wheel's size, of the turn, and of the steering's middle. While
-/// they are not known every scan corrects them anew and none quite enough, so that the pose runs
-/// ahead of the car or behind it; what the scans correct on average is the error itself.
+/// Four errors that stay: of the wheel's size, of the turn, of the steering's middle, and of the
+/// time that odometry is late by. While they are not known every scan corrects them anew and none
+/// quite enough, so that the pose runs ahead of the car or behind it; what the scans correct on
+/// average is the error itself.
 class OdometryCalibration {
  public:
   /// Throws as `validate` does.
@@ -31,12 +32,19 @@ class OdometryCalibration {
   double distanceScale() const { return distance_scale_; }  ///< true metres per metre of odometry
   double turnScale() const { return turn_scale_; }          ///< true radians per radian of odometry
   double curvature() const { return curvature_; }           ///< rad/m that odometry does not see
+  /// s by which odometry tells late how the car moved; negative where it tells early, as twists do
+  /// that hold for the time before them.
+  double delay() const { return delay_; }
 
  private:
+  void learnDelay(const Motion& motion, const Pose2& correction);
+
   OdometryCalibrationParameters parameters_;
   double distance_scale_ = 1.0;
   double turn_scale_ = 1.0;
   double curvature_ = 0.0;
+  double delay_ = 0.0;
+  double delay_information_ = 0.0;  ///< (m/s)^2, what changes of speed have told of the delay
 };
 
 }  // namespace racecar_mcl

@@ -90,7 +90,7 @@ bool Localizer::initializeGlobally() {
 }
 
 void Localizer::anchorHere() {
-  anchor_ = Anchor{filter_.estimate(), odometry_.at(newestStamp().value_or(0.0))};
+  anchor_ = Anchor{filter_.estimate(), odometryAt(newestStamp().value_or(0.0))};
   scans_since_stop_ = 0;
   judge_.startAgain();
   doubt_.startAgain();
@@ -156,13 +156,13 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
     judge_.judgeUnusable(scan.stamp);
     return task;
   }
-  task.odometry = odometry_.at(scan.stamp);
-  task.motion = calibration_.correct(motionBetween(anchor_->odometry, task.odometry));
+  const OdometryState odometry = odometryAt(scan.stamp);
+  task.motion = calibration_.correct(motionBetween(anchor_->odometry, odometry));
   if (parameters_.noise_adaptation) task.motion.noise_factor = doubt_.noiseFactor();
   if (parameters_.deskew && task.beams.seconds_after_stamp.maxCoeff() > 0.0f) {
-    const Pose2 odom_in_base = inverse(task.odometry.base_in_odom);
+    const Pose2 odom_in_base = inverse(odometry.base_in_odom);
     task.beams = deskew(task.beams, [&](double seconds) {
-      return compose(odom_in_base, odometry_.at(scan.stamp + seconds).base_in_odom);
+      return compose(odom_in_base, odometryAt(scan.stamp + seconds).base_in_odom);
     });
   }
   // Silent odometry is no sign that the car stands.
@@ -267,7 +267,8 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   if (result.verdict.state == VerdictState::kLocalized) {
     calibration_.learn(task.motion, task.correction);
   }
-  anchor_ = Anchor{result.update.estimate, task.odometry};
+  // Asked again, for what was learned of the delay moves it.
+  anchor_ = Anchor{result.update.estimate, odometryAt(result.stamp)};
   return result;
 }
 
@@ -279,7 +280,7 @@ ScanResult Localizer::addScan(const Scan& scan) {
 
 std::optional<PoseEstimate> Localizer::estimateAt(double stamp) const {
   if (!anchor_) return std::nullopt;
-  const OdometryState then = odometry_.at(stamp);
+  const OdometryState then = odometryAt(stamp);
   const Motion motion = calibration_.correct(motionBetween(anchor_->odometry, then));
   return carryForward(anchor_->estimate, motion.delta,
                       motionCovariance(parameters_.motion, motion));

@@ -22,9 +22,12 @@ OdometryState advance(const OdometryState& from, const Twist2& twist, double sec
                       double messages) {
   const double speed = std::hypot(twist.vx, twist.vy);
   const bool moving = speed > kStillSpeed || std::abs(twist.wz) > kStillTurn;
-  return {compose(from.base_in_odom, integrate(twist, seconds)), from.distance + speed * seconds,
-          from.rotation + std::abs(twist.wz) * seconds, from.seconds + (moving ? seconds : 0.0),
-          from.messages + messages};
+  return {compose(from.base_in_odom, integrate(twist, seconds)),
+          from.distance + speed * seconds,
+          from.rotation + std::abs(twist.wz) * seconds,
+          from.seconds + (moving ? seconds : 0.0),
+          from.messages + messages,
+          twist};
 }
 
 /// The constant twist that moves a body by `delta` in `seconds`: the inverse of `integrate`.
@@ -66,7 +69,9 @@ Motion motionBetween(const OdometryState& earlier, const OdometryState& later) {
           std::max(0.0, later.distance - earlier.distance),
           std::max(0.0, later.rotation - earlier.rotation),
           std::max(0.0, later.seconds - earlier.seconds),
-          std::max(0.0, later.messages - earlier.messages)};
+          std::max(0.0, later.messages - earlier.messages),
+          {later.twist.vx - earlier.twist.vx, later.twist.vy - earlier.twist.vy,
+           later.twist.wz - earlier.twist.wz}};
 }
 
 std::string describe(OdometryOutcome outcome) {

@@ -13,8 +13,15 @@ namespace {
 constexpr double kMostScale = 0.15;     // per metre or radian
 constexpr double kMostCurvature = 0.1;  // rad/m
 
+constexpr double kMostDelay = 0.1;  // s
+
 // What one scan may teach, per metre or radian: a correction beyond is a slip or a bad match.
 constexpr double kMostSurprise = 0.3;
+
+// A radian that scans correct counts as much as this many metres.
+constexpr double kMetresPerRadian = 0.5;
+// (m/s)^2; no scan alone tells a delay, for all that it corrects is noise to a centimetre or so.
+constexpr double kDelayPrior = 0.25;
 
 double bounded(double value, double most) { return std::clamp(value, -most, most); }
 
@@ -61,6 +68,21 @@ void OdometryCalibration::learn(const Motion& motion, const Pose2& correction) {
   if (power == 0.0) return;
   turn_scale_ = 1.0 + bounded(turn_scale_ - 1.0 + rate * turn * moved.yaw / power, kMostScale);
   curvature_ = bounded(curvature_ + rate * turn * moved.x / power, kMostCurvature);
+  learnDelay(motion, correction);
+}
+
+// Odometry that is late by d lacks d times what the twist has changed by. Least squares, which
+// forget over the distance.
+void OdometryCalibration::learnDelay(const Motion& motion, const Pose2& correction) {
+  const double drive = motion.twist_change.vx;
+  const double turn = kMetresPerRadian * motion.twist_change.wz;
+  const double along = bounded(correction.x, kMostDelay * std::abs(drive));
+  const double around = bounded(kMetresPerRadian * correction.yaw, kMostDelay * std::abs(turn));
+  delay_information_ =
+      std::exp(-motion.distance / parameters_.calibration_distance) * delay_information_ +
+      drive * drive + turn * turn;
+  delay_ = bounded(delay_ + (drive * along + turn * around) / (kDelayPrior + delay_information_),
+                   kMostDelay);
 }
 
 }  // namespace racecar_mcl

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "racecar_mcl/errors.h"
@@ -65,12 +66,57 @@ TEST(OdometryCalibration, TellsTurnsFromTheSteeringsMiddle) {
   EXPECT_NEAR(calibration.curvature(), 0.0, 3e-3);
 }
 
+/// A car that swerves and changes its speed, by odometry that is late by `delay` s.
+void swerve(OdometryCalibration* calibration, double delay, double seconds) {
+  constexpr double kPeriod = 0.025;  // s, between scans
+  const auto poseAt = [](double t) {
+    return Pose2{3.0 * t - 0.5 * std::cos(2.0 * t), 0.0, -0.5 * std::cos(3.0 * t)};
+  };
+  const auto twistAt = [](double t) {
+    return Twist2{3.0 + std::sin(2.0 * t), 0.0, 1.5 * std::sin(3.0 * t)};
+  };
+  Pose2 lead;  // along the car, and around
+  for (double t = 0.0; t < seconds; t += kPeriod) {
+    const double begin = t - delay + calibration->delay();
+    const double end = begin + kPeriod;
+    Motion motion;
+    motion.delta = {poseAt(end).x - poseAt(begin).x, 0.0, poseAt(end).yaw - poseAt(begin).yaw};
+    motion.distance = motion.delta.x;
+    motion.twist_change = {twistAt(end).vx - twistAt(begin).vx, 0.0,
+                           twistAt(end).wz - twistAt(begin).wz};
+    lead.x += motion.delta.x - (poseAt(t + kPeriod).x - poseAt(t).x);
+    lead.yaw += motion.delta.yaw - (poseAt(t + kPeriod).yaw - poseAt(t).yaw);
+    const Pose2 correction{-0.5 * lead.x, 0.0, -0.5 * lead.yaw};
+    calibration->learn(motion, correction);
+    lead.x += correction.x;
+    lead.yaw += correction.yaw;
+  }
+}
+
+TEST(OdometryCalibration, LearnsHowLateOdometryIs) {
+  for (const double delay : {0.03, -0.01}) {
+    OdometryCalibration calibration({100.0});
+    swerve(&calibration, delay, 60.0);
+    EXPECT_NEAR(calibration.delay(), delay, 1e-3);
+    EXPECT_NEAR(calibration.distanceScale(), 1.0, 2e-3);
+    EXPECT_NEAR(calibration.turnScale(), 1.0, 2e-3);
+  }
+}
+
+TEST(OdometryCalibration, LearnsNoDelayFromASteadyDrive) {
+  OdometryCalibration calibration({20.0});
+  drive(&calibration, arc(0.103, 0.105), arc(0.1, 0.1), 1000);
+  EXPECT_EQ(calibration.delay(), 0.0);
+}
+
 TEST(OdometryCalibration, StaysWithinBounds) {
   OdometryCalibration calibration({1.0});
   drive(&calibration, arc(1.0, 1.0), arc(0.5, 0.2), 1000);
   EXPECT_GE(calibration.distanceScale(), 0.85);
   EXPECT_GE(calibration.turnScale(), 0.85);
   EXPECT_GE(calibration.curvature(), -0.1);
+  swerve(&calibration, 0.5, 60.0);
+  EXPECT_LE(calibration.delay(), 0.1);
 }
 
 TEST(OdometryCalibration, LearnsNothingFromACarThatStands) {
@@ -79,12 +125,15 @@ TEST(OdometryCalibration, LearnsNothingFromACarThatStands) {
   EXPECT_EQ(calibration.distanceScale(), 1.0);
   EXPECT_EQ(calibration.turnScale(), 1.0);
   EXPECT_EQ(calibration.curvature(), 0.0);
+  EXPECT_EQ(calibration.delay(), 0.0);
 }
 
 TEST(OdometryCalibration, LearnsNothingWhereItIsOff) {
   OdometryCalibration calibration({0.0});
   drive(&calibration, straight(0.11), straight(0.1), 1000);
+  swerve(&calibration, 0.03, 10.0);
   EXPECT_EQ(calibration.distanceScale(), 1.0);
+  EXPECT_EQ(calibration.delay(), 0.0);
 }
 
 TEST(OdometryCalibration, RefusesADistanceThatIsNone) {

@@ -55,7 +55,7 @@ TEST_P(RecoveryTest, StaysLostWhereItIsNotToSearch) {
   SimulatedDrive drive = localizedDrive(2);
   kidnap(&drive, 2);
   drive.drive(1.0, [](const Observation&) {});
-  EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLost);
+  EXPECT_NE(drive.localizer().verdict().state, VerdictState::kLocalized);
   EXPECT_EQ(drive.localizer().counters().recoveries, 0u);
 }
 

@@ -84,7 +84,7 @@ class ErrorAgainst:
     # name, axis, sets of constants, values
     SWEEPS = (
         ("num_particles", "particles", CONFIGS, (25, 50, 100, 200, 500, 1000)),
-        ("num_beams_per_particle", "beams", CONFIGS, (10, 25, 50, 100, 200, 400)),
+        ("num_beams_per_particle", "beams", CONFIGS, (10, 25, 50, 100, 150, 300)),
         ("squash_factor", "squash_factor (beam model)", (REPORT,), (1.0, 2.2, 4.0, 8.0, 16.0)),
         ("field_squash", "field_squash (likelihood field)", (DEFAULT,), (1.0, 2.2, 5.5, 12.0, 25.0)),
         ("sigma_hit", "sigma_hit (pixels, beam model)", (REPORT,), (1.0, 2.0, 4.0, 8.0, 16.0)),
