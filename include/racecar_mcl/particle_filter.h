@@ -30,7 +30,7 @@ struct ParticleFilterParameters {
   double initial_sigma = 0.5;  ///< m and rad, where a start pose brings no spread of its own
   int settling_updates = 20;   ///< after a start the resampled set is smoothed this many times, so
                                ///< that few particles close in on a pose that none of them hit
-  double news_distance = 0.5;  ///< m; while the set is in several places, a scan counts in full
+  double news_distance = 1.0;  ///< m; while the set is in several places, a scan counts in full
                                ///< after this much driving
   int num_threads = 1;         ///< that weigh the particles; 0 = one per core. The result is the
                                ///< same to the bit

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMetresPerRadian = 0.5;
 constexpr double kNewsOfStanding = 0.02;
-constexpr double kAlmostAll = 0.99;
+constexpr double kAlmostAll = 0.9999;
 constexpr double kOnePlaceSigma = 0.3;  // m
 constexpr double kNear = 1.0;           // m
 constexpr double kNearYaw = 0.5;        // rad
