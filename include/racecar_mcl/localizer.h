@@ -3,6 +3,7 @@
 // knows no ROS.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -131,9 +132,10 @@ class Localizer {
   OdometryOutcome addOdometry(const OdometrySample& sample);
 
   /// True when odometry reaches up to this stamp, so that a scan need not guess the last bit of
-  /// motion.
+  /// motion. Odometry that is known to be late is not waited for any longer.
   bool odometryCovers(double stamp) const {
-    return !odometry_.empty() && odometry_.newestStamp() >= stamp + calibration_.delay();
+    return !odometry_.empty() &&
+           odometry_.newestStamp() >= stamp + std::min(0.0, calibration_.delay());
   }
 
   /// prepareScan, processScan and commitScan in one.
