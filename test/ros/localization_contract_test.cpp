@@ -191,6 +191,8 @@ TEST_F(LocalizationContractTest, ShowsNothingMoreOftenThanVisualizationRate) {
 }
 
 TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
+  parameters_.setParam("num_particles", 300);
+  parameters_.setParam("num_beams_per_particle", 60);
   startLocalized();
   drive(1.0);
   ASSERT_TRUE(listener_.waitFor(
@@ -198,8 +200,8 @@ TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
   const auto status = listener_.diagnostics();
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK);
   EXPECT_EQ(status.name, namespace_ + "/localization: localization");
-  EXPECT_EQ(listener_.diagnostic("particles"), "200");
-  EXPECT_EQ(listener_.diagnostic("beams"), "100");
+  EXPECT_EQ(listener_.diagnostic("particles"), "300");
+  EXPECT_EQ(listener_.diagnostic("beams"), "60");
   EXPECT_GT(std::atof(listener_.diagnostic("effective sample size").c_str()), 1.0);
   EXPECT_GT(std::atof(listener_.diagnostic("position sigma (m)").c_str()), 0.0);
   EXPECT_GT(std::atof(listener_.diagnostic("scan to tf p50 (ms)").c_str()), 0.0);
