@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """scripts/evaluate and scripts/experiments over a simulated drive: against replay, and what their pages
 show."""
+import csv
 import subprocess
 import sys
 import tempfile
@@ -11,8 +12,9 @@ import rosunit
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 sys.path.insert(0, str(SCRIPTS))
-from racecar_mcl_eval import (evaluate, grid_map, judgement, programs, scan_fit,  # noqa: E402
-                              trajectory)
+from racecar_mcl_eval import (EvaluationError, evaluate, grid_map, judgement, programs,  # noqa: E402
+                              scan_fit, trajectory)
+from racecar_mcl_eval.experiments import trouble  # noqa: E402
 from racecar_mcl_eval.run import load_folder  # noqa: E402
 
 
@@ -123,6 +125,21 @@ class Experiments(unittest.TestCase):
         self.assertEqual(text.count('class="banner '), 2)
         for words in ("simulate_bag --map maps/corridor.yaml", "--seed 1", "26.2, 27.0, 26.6 cm", "±5°"):
             self.assertIn(words, text)
+
+    def testDrivesWithTroubleLeaveARowEach(self):
+        with tempfile.TemporaryDirectory() as folder:
+            table = Path(folder) / "drives.csv"
+            arguments = ["--map", programs.ROOT / "maps/corridor.yaml", "--trouble", "kidnap", "--drives", 2,
+                         "--before", 1, "--after", 2]
+            programs.run("evaluate_drives", [*arguments, "--out", table])
+            with open(table, newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual([(row["trouble"], row["seed"]) for row in rows],
+                             [("kidnap", "1"), ("kidnap", "2")])
+            # Carried away, every drive is found again, but not at once.
+            self.assertTrue(all(0.0 < seconds < 2.0 for seconds in trouble.seconds_until_localized(table)))
+            with self.assertRaisesRegex(EvaluationError, "cannot write .*none/drives.csv"):
+                programs.run("evaluate_drives", [*arguments, "--out", Path(folder) / "none/drives.csv"])
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import rosunit
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 from racecar_mcl_eval import EvaluationError, experiments, programs, trajectory  # noqa: E402
-from racecar_mcl_eval.experiments import filter_parts, starts, sweeps  # noqa: E402
+from racecar_mcl_eval.experiments import filter_parts, starts, sweeps, trouble  # noqa: E402
 from racecar_mcl_eval.experiments.workshop import Workshop, seeds_text  # noqa: E402
 
 
@@ -105,6 +105,13 @@ class Measures(unittest.TestCase):
         self.assertEqual(sweeps.constant("report", "field_sigma"), sweeps.constant("default", "field_sigma"))
         with self.assertRaises(EvaluationError):
             sweeps.constant("report", "nothing")
+
+    def testDriveThatIsNeverLocalizedTakesForEver(self):
+        with tempfile.TemporaryDirectory() as folder:
+            table = Path(folder) / "drives.csv"
+            table.write_text("map,trouble,seed,localized,noticed,longest_wrong_trust\n"
+                             "m,kidnap,1,0.300,0.125,0.025\nm,kidnap,2,,,0.500\n", encoding="utf-8")
+            self.assertEqual(trouble.seconds_until_localized(table), [0.3, math.inf])
 
 
 if __name__ == "__main__":
