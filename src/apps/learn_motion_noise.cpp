@@ -146,8 +146,8 @@ std::string csv(const std::vector<Learned>& models, const TrajectoryNoise& traje
       const Eigen::Array3d sigma = covariance.diagonal().array().sqrt();
       text << model.name << ',' << sample.seconds << ',' << sample.motion.distance << ','
            << sample.motion.rotation;
-      for (const double error : sample.error) text << ',' << error;
-      for (const double value : sigma) text << ',' << value;
+      for (int i = 0; i < 3; ++i) text << ',' << sample.error[i];
+      for (int i = 0; i < 3; ++i) text << ',' << sigma[i];
       text << '\n';
     }
   }

@@ -10,11 +10,6 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define RACECAR_MCL_X86 1
-#if defined(__clang__)
-#define RACECAR_MCL_WIDE
-#else
-#define RACECAR_MCL_WIDE ",prefer-vector-width=512"
-#endif
 #endif
 
 namespace racecar_mcl {
@@ -36,8 +31,7 @@ __attribute__((target("avx2"))) void runWithAvx2(const Body& body) {
 }
 
 template <typename Body>
-__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl" RACECAR_MCL_WIDE))) void runWithAvx512(
-    const Body& body) {
+__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl"))) void runWithAvx512(const Body& body) {
   body();
 }
 #endif

@@ -103,7 +103,13 @@ TEST(MapNodelet, ServesTheMap) {
   ASSERT_TRUE(ros::service::call("static_map", service));
   const auto map = receive<nav_msgs::OccupancyGrid>("map");
   ASSERT_TRUE(map);
-  EXPECT_EQ(service.response.map.info, map->info);
+  const auto& served = service.response.map.info;
+  EXPECT_EQ(served.map_load_time, map->info.map_load_time);
+  EXPECT_EQ(served.resolution, map->info.resolution);
+  EXPECT_EQ(served.width, map->info.width);
+  EXPECT_EQ(served.height, map->info.height);
+  EXPECT_EQ(served.origin.position.x, map->info.origin.position.x);
+  EXPECT_EQ(served.origin.position.y, map->info.origin.position.y);
   EXPECT_EQ(service.response.map.data, map->data);
 }
 
@@ -155,7 +161,7 @@ TEST(MapNode, ServesTheMapItIsGiven) {
                             " solid.yaml __ns:=/program & echo $! > pid; }";
   ASSERT_EQ(std::system(start.c_str()), 0);
   const auto map = receive<nav_msgs::OccupancyGrid>("/program/map");
-  std::system(("kill $(cat " + directory.path().string() + "/pid)").c_str());
+  EXPECT_EQ(std::system(("kill $(cat " + directory.path().string() + "/pid)").c_str()), 0);
   ASSERT_TRUE(map);
   EXPECT_EQ(toAscii(toOccupancyGrid(*map)), "##\n");
   std::string path;
