@@ -16,9 +16,10 @@ fail() {
 
 # The apt packages, one list per distribution.
 wanted_packages() {
-  echo build-essential cmake libcli11-dev libeigen3-dev libgtest-dev libopencv-dev libyaml-cpp-dev \
-    nlohmann-json3-dev python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-tqdm \
-    python3-yaml
+  echo build-essential cmake libeigen3-dev libgtest-dev libopencv-dev libyaml-cpp-dev nlohmann-json3-dev \
+    python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-tqdm python3-yaml
+  # Ubuntu 20.04 has none; CMake fetches it there.
+  grep -q '^VERSION_CODENAME=focal' /etc/os-release || echo libcli11-dev
   if [ -d /opt/ros/noetic ]; then
     local name
     for name in ackermann-msgs catkin diagnostic-msgs geometry-msgs nav-msgs nodelet pluginlib rosbag \
