@@ -14,6 +14,7 @@ from .style import (BAD, COLOURS, DOUBTFUL, GOOD, TRUTH, VERDICTS, WIDTH, colour
 TRUTH_UNDER = "#b3b9c1"
 # An error of this many metres and more is shown in the last colour.
 WORST_SHOWN = 1.0
+ERROR_COLOURS = "rainbow"
 _DEGREES_PER_UNIT = (1.0, 1.0, 180.0 / np.pi)
 _FIT_COLOURS = ListedColormap([GOOD, BAD])
 
@@ -63,13 +64,13 @@ def trajectories(runs, grid_map):
             axes.plot(*run.truth.poses[:, :2].T, color=TRUTH_UNDER, linewidth=5.0, zorder=2)
             estimate = run.errors.estimate[:, :2]
             segments = np.stack((estimate[:-1], estimate[1:]), axis=1)
-            lines = LineCollection(segments, cmap="turbo", norm=Normalize(0.0, limit), linewidth=1.8,
+            lines = LineCollection(segments, cmap=ERROR_COLOURS, norm=Normalize(0.0, limit), linewidth=1.8,
                                    zorder=3)
             lines.set_array(run.errors.position[1:])
             axes.add_collection(lines)
             first = run.errors.truth[0]
             handles = [Line2D([], [], color=TRUTH_UNDER, linewidth=5.0, label="truth"),
-                       Line2D([], [], color=plt.get_cmap("turbo")(0.2), linewidth=1.8,
+                       Line2D([], [], color=plt.get_cmap(ERROR_COLOURS)(0.2), linewidth=1.8,
                               label="estimate, coloured by its error")]
         axes.plot(*first[:2], marker="o", markersize=7, color="white", markeredgecolor=TRUTH,
                   zorder=5)

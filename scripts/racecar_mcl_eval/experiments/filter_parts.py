@@ -3,6 +3,7 @@ figures 1 to 3)."""
 import csv
 
 import numpy as np
+from mpl_toolkits import mplot3d  # noqa: F401  gives matplotlib before 3.2 its 3d axes
 
 from ..run_figures import TRUTH_UNDER
 from ..style import COLOURS, TRUTH, WIDTH, colour, new_figure, plt
