@@ -11,13 +11,13 @@ from .drives import RisingNoise
 from .filter_parts import ParticleSpread, SensorTable
 from .starts import BadStart, ThreeEstimates
 from .sweeps import ErrorAgainst, UpdateTime, WhatItBuys
-from .trouble import CarriedAway
+from .trouble import CarriedAway, ShrinkingSet
 from .workshop import Workshop
 
 EXPERIMENTS = {
     "noise": RisingNoise, "table": SensorTable, "particles": ParticleSpread, "time": UpdateTime,
     "start": BadStart, "sweep": ErrorAgainst, "estimates": ThreeEstimates, "away": CarriedAway,
-    "buys": WhatItBuys}
+    "size": ShrinkingSet, "buys": WhatItBuys}
 
 
 def parse(arguments):
