@@ -10,6 +10,7 @@
 #include "learned_config.h"
 #include "parameter_options.h"
 #include "program.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl {
 namespace {
@@ -155,14 +156,9 @@ std::string csv(const std::vector<Learned>& models, const TrajectoryNoise& traje
 }
 
 void validate(const Options& o) {
-  if (!(o.max_gap > 0.0)) throw ParameterError("--max-gap must be positive (s)");
+  requirePositive("--max-gap", o.max_gap, "s");
   for (const double interval : o.intervals) {
-    if (!(interval >= MotionSampler::kStep && interval <= 60.0)) {
-      std::ostringstream problem;
-      problem << "--interval is " << interval << " s; it must lie in [" << MotionSampler::kStep
-              << ", 60]";
-      throw ParameterError(problem.str());
-    }
+    requireWithin("--interval", interval, MotionSampler::kStep, 60.0, "s");
   }
 }
 

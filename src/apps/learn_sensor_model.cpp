@@ -16,6 +16,7 @@
 #include "program.h"
 #include "racecar_mcl/map_io.h"
 #include "racecar_mcl/range_caster.h"
+#include "racecar_mcl/require.h"
 #include "ros/node_parameters.h"
 
 namespace racecar_mcl {
@@ -214,7 +215,7 @@ std::string csv(const RangeCounts& beams, const SensorFit& fit,
 }
 
 void learn(const Options& o) {
-  if (!(o.max_gap > 0.0)) throw ParameterError("--max-gap must be positive (s)");
+  requirePositive("--max-gap", o.max_gap, "s");
   const LocalizerParameters parameters = readParameters(o.parameters);
   validate(parameters);
   const OccupancyGrid grid = loadMap(o.map);

@@ -30,6 +30,7 @@ using ProgressBar = boost::progress_display;
 #include "racecar_mcl/localizer.h"
 #include "racecar_mcl/map_io.h"
 #include "racecar_mcl/parameters.h"
+#include "racecar_mcl/require.h"
 #include "replay_outputs.h"
 #include "replay_run.h"
 #include "ros/node_parameters.h"
@@ -179,14 +180,9 @@ void warnAbout(const ReplayRecord& record) {
 }
 
 void validate(const Options& o) {
-  const auto require = [](bool holds, const std::string& option, double value, const char* must) {
-    if (!holds) {
-      throw ParameterError(option + " is " + std::to_string(value) + " s; it must " + must);
-    }
-  };
-  require(o.max_gap >= 0.0, "--max-gap", o.max_gap, "not be negative");
-  require(o.span.start >= 0.0, "--start", o.span.start, "not be negative");
-  require(o.span.duration > 0.0, "--duration", o.span.duration, "be positive");
+  requireNotNegative("--max-gap", o.max_gap, "s");
+  requireNotNegative("--start", o.span.start, "s");
+  require(o.span.duration > 0.0, "--duration", o.span.duration, "positive", "s");
 }
 
 void replay(const Options& o) {

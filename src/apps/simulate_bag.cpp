@@ -7,8 +7,8 @@
 #include "apps/simulate_bag_recording.h"
 #include "program.h"
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 #include "ros/node_parameters.h"
-#include "sim/check.h"
 #include "sim/lap_counter.h"
 #include "sim/scene.h"
 #include "sim/simulator.h"
@@ -76,8 +76,8 @@ void addOptions(Options* o, CLI::App* app) {
 }
 
 void validate(Options& o) {
-  sim::requireNotNegative("--duration", o.duration);
-  sim::requireNotNegative("--laps", o.laps);
+  requireNotNegative("--duration", o.duration, "s");
+  requireNotNegative("--laps", o.laps);
   if (o.truth == o.bag) throw ParameterError("--out and --truth both name " + o.bag);
   if (o.laps == 0 && o.duration == 0.0) o.duration = 60.0;
   o.simulator.odometry.noise = {o.odometry_noise, o.odometry_noise, o.odometry_noise};

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 #include <string>
-#include <utility>
 
 #include "instruction_set.h"
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl {
 namespace {
@@ -43,17 +42,9 @@ RACECAR_MCL_INLINE float sumOf(const float* const* rows, const int* pixels, int 
 
 void validate(const BeamModelParameters& p) {
   validate(p.table);
-  const std::pair<const char*, double> positive[] = {
-      {"lidar_scale_to_map_scale", p.lidar_scale_to_map_scale},
-      {"pixels_per_cell", p.pixels_per_cell},
-      {"squash_factor", p.squash_factor}};
-  for (const auto& [name, value] : positive) {
-    if (!(value >= 1e-3 && value <= 1e3)) {
-      std::ostringstream problem;
-      problem << name << " is " << value << "; it must lie in [0.001, 1000]";
-      throw ParameterError(problem.str());
-    }
-  }
+  requireWithin("lidar_scale_to_map_scale", p.lidar_scale_to_map_scale, 1e-3, 1e3);
+  requireWithin("pixels_per_cell", p.pixels_per_cell, 1e-3, 1e3);
+  requireWithin("squash_factor", p.squash_factor, 1e-3, 1e3);
 }
 
 BeamModel::BeamModel(const BeamModelParameters& parameters, double resolution)

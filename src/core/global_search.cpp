@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "racecar_mcl/distance_field.h"
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 #include "racecar_mcl/resampling.h"
 #include "racecar_mcl/scan_weigher.h"
 #include "racecar_mcl/tempering.h"
@@ -49,20 +48,11 @@ float scoreOfBest(const Eigen::ArrayXf& scores, std::size_t count) {
 }  // namespace
 
 void validate(const GlobalSearchParameters& p) {
-  std::ostringstream problem;
-  if (!(p.search_spacing >= 0.01 && p.search_spacing <= 10.0)) {
-    problem << "search_spacing is " << p.search_spacing << " m; it must lie in [0.01, 10]";
-  } else if (!(p.search_yaw_spacing >= 0.001 && p.search_yaw_spacing <= 1.0)) {
-    problem << "search_yaw_spacing is " << p.search_yaw_spacing
-            << " rad; it must lie in [0.001, 1]";
-  } else if (p.search_beams < 1 || p.search_beams > 10000) {
-    problem << "search_beams is " << p.search_beams << "; it must lie in [1, 10000]";
-  } else if (!(p.search_max_range > 0.0 && p.search_max_range <= 1000.0)) {
-    problem << "search_max_range is " << p.search_max_range << " m; it must lie in (0, 1000]";
-  } else if (p.search_poses < 100000 || p.search_poses > 1000000000) {
-    problem << "search_poses is " << p.search_poses << "; it must lie in [100000, 1000000000]";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  requireWithin("search_spacing", p.search_spacing, 0.01, 10.0, "m");
+  requireWithin("search_yaw_spacing", p.search_yaw_spacing, 0.001, 1.0, "rad");
+  requireWithin("search_beams", p.search_beams, 1, 10000);
+  requirePositiveUpTo("search_max_range", p.search_max_range, 1000.0, "m");
+  requireWithin("search_poses", p.search_poses, 100000, 1000000000);
 }
 
 LikelihoodFieldParameters fieldOfPlaces(const GlobalSearchParameters& parameters) {

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <sstream>
 
 #include "racecar_mcl/distance_field.h"
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 #include "vector_math.h"
 
 namespace racecar_mcl {
@@ -207,19 +206,12 @@ RACECAR_MCL_INLINE float sumOf(const EndValues& values, int count) {
 }  // namespace
 
 void validate(const LikelihoodFieldParameters& p) {
-  std::ostringstream problem;
-  if (!(p.field_sigma >= 1e-3 && p.field_sigma <= 1e3)) {
-    problem << "field_sigma is " << p.field_sigma << " m; it must lie in [0.001, 1000]";
-  } else if (!(p.field_rand > 0.0 && p.field_rand < 1.0)) {
-    problem << "field_rand is " << p.field_rand << "; it must lie between 0 and 1";
-  } else if (!(p.field_max_range > 0.0 && p.field_max_range <= 1e4)) {
-    problem << "field_max_range is " << p.field_max_range << " m; it must lie in (0, 10000]";
-  } else if (!(p.field_squash >= 1e-3 && p.field_squash <= 1e3)) {
-    problem << "field_squash is " << p.field_squash << "; it must lie in [0.001, 1000]";
-  } else if (!(p.field_inside >= 0.0 && p.field_inside <= 1.0)) {
-    problem << "field_inside is " << p.field_inside << "; it must lie in [0, 1]";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  requireWithin("field_sigma", p.field_sigma, 1e-3, 1e3, "m");
+  require(p.field_rand > 0.0 && p.field_rand < 1.0, "field_rand", p.field_rand,
+          "above 0 and below 1");
+  requirePositiveUpTo("field_max_range", p.field_max_range, 1e4, "m");
+  requireWithin("field_squash", p.field_squash, 1e-3, 1e3);
+  requireShare("field_inside", p.field_inside);
 }
 
 LikelihoodField::LikelihoodField(const OccupancyGrid& grid,

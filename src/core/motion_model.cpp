@@ -3,11 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "noise_lanes.h"
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl {
 namespace {
@@ -143,13 +142,7 @@ void validate(const MotionModelParameters& p) {
       {"scale_error", p.scale_error},
       {"curvature_error", p.curvature_error},
       {"turn_scale_error", p.turn_scale_error}};
-  for (const auto& [name, value] : sigmas) {
-    if (!(value >= 0.0 && value <= 1000.0)) {
-      std::ostringstream problem;
-      problem << name << " is " << value << "; it must lie in [0, 1000]";
-      throw ParameterError(problem.str());
-    }
-  }
+  for (const auto& [name, value] : sigmas) requireWithin(name, value, 0.0, 1000.0);
 }
 
 Eigen::Matrix3d motionCovariance(const MotionModelParameters& parameters, const Motion& motion) {

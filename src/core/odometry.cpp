@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl {
 namespace {
@@ -51,17 +50,9 @@ bool isPlausible(const Pose2& delta, double seconds) {
 }  // namespace
 
 void validate(const OdometryParameters& p) {
-  std::ostringstream problem;
-  if (!(std::isfinite(p.max_odometry_gap) && p.max_odometry_gap > 0.0)) {
-    problem << "max_odometry_gap is " << p.max_odometry_gap << " s; it must be positive";
-  } else if (!(std::isfinite(p.max_odometry_extrapolation) &&
-               p.max_odometry_extrapolation >= 0.0)) {
-    problem << "max_odometry_extrapolation is " << p.max_odometry_extrapolation
-            << " s; it must not be negative";
-  } else if (!(std::isfinite(p.clock_jump) && p.clock_jump > 0.0)) {
-    problem << "clock_jump is " << p.clock_jump << " s; it must be positive";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  requirePositive("max_odometry_gap", p.max_odometry_gap, "s");
+  requireNotNegative("max_odometry_extrapolation", p.max_odometry_extrapolation, "s");
+  requirePositive("clock_jump", p.clock_jump, "s");
 }
 
 Motion motionBetween(const OdometryState& earlier, const OdometryState& later) {

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl {
 namespace {
@@ -28,13 +27,9 @@ double bounded(double value, double most) { return std::clamp(value, -most, most
 }  // namespace
 
 void validate(const OdometryCalibrationParameters& p) {
-  if (!(p.calibration_distance == 0.0 ||
-        (p.calibration_distance >= 1.0 && p.calibration_distance <= 1e6))) {
-    std::ostringstream problem;
-    problem << "calibration_distance is " << p.calibration_distance
-            << " m; it must be 0 (off) or lie in [1, 1e6]";
-    throw ParameterError(problem.str());
-  }
+  require(p.calibration_distance == 0.0 ||
+              (p.calibration_distance >= 1.0 && p.calibration_distance <= 1e6),
+          "calibration_distance", p.calibration_distance, "0 (off) or between 1 and 1000000", "m");
 }
 
 OdometryCalibration::OdometryCalibration(const OdometryCalibrationParameters& parameters)

@@ -9,6 +9,7 @@
 
 #include "racecar_mcl/convergence.h"
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 #include "racecar_mcl/scan_fit.h"
 #include "racecar_mcl/tempering.h"
 #include "smoothing.h"
@@ -51,27 +52,16 @@ Eigen::Matrix3d startCovariance(const PoseEstimate& start, double sigma) {
 }  // namespace
 
 void validate(const ParticleFilterParameters& p) {
-  std::ostringstream problem;
-  if (p.num_particles < 1 || p.num_particles > 10000000) {
-    problem << "num_particles is " << p.num_particles << "; it must lie in [1, 10000000]";
-  } else if (p.global_particles < p.num_particles || p.global_particles > 10000000) {
-    problem << "global_particles is " << p.global_particles
-            << "; it must lie in [num_particles = " << p.num_particles << ", 10000000]";
-  } else if (!(p.resample_threshold >= 0.0 && p.resample_threshold <= 1.0)) {
-    problem << "resample_threshold is " << p.resample_threshold << "; it must lie in [0, 1]";
-  } else if (p.min_effective_particles < 0) {
-    problem << "min_effective_particles is " << p.min_effective_particles
-            << "; it must not be negative";
-  } else if (!(p.initial_sigma > 0.0 && p.initial_sigma <= 1000.0)) {
-    problem << "initial_sigma is " << p.initial_sigma << "; it must lie in (0, 1000]";
-  } else if (!(p.news_distance > 0.0 && p.news_distance <= 1000.0)) {
-    problem << "news_distance is " << p.news_distance << " m; it must lie in (0, 1000]";
-  } else if (p.settling_updates < 0) {
-    problem << "settling_updates is " << p.settling_updates << "; it must not be negative";
-  } else if (p.num_threads < 0 || p.num_threads > 1024) {
-    problem << "num_threads is " << p.num_threads << "; it must lie in [0, 1024]";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  constexpr int kMost = 10000000;
+  requireWithin("num_particles", p.num_particles, 1, kMost);
+  require(p.global_particles >= p.num_particles && p.global_particles <= kMost, "global_particles",
+          p.global_particles, "between num_particles and " + std::to_string(kMost));
+  requireShare("resample_threshold", p.resample_threshold);
+  requireNotNegative("min_effective_particles", p.min_effective_particles);
+  requirePositiveUpTo("initial_sigma", p.initial_sigma, 1000.0);
+  requirePositiveUpTo("news_distance", p.news_distance, 1000.0, "m");
+  requireNotNegative("settling_updates", p.settling_updates);
+  requireWithin("num_threads", p.num_threads, 0, 1024);
 }
 
 ParticleFilter::ParticleFilter(const ParticleFilterParameters& parameters,

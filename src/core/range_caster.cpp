@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <sstream>
 #include <utility>
 
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 #include "range_casters/bresenham_caster.h"
 #include "range_casters/distance_transform_caster.h"
 #include "range_casters/panorama_caster.h"
@@ -39,21 +39,16 @@ std::vector<std::string> rangeCasterNames() {
 }
 
 void validate(const RangeCasterParameters& p) {
-  std::ostringstream problem;
   const std::vector<std::string> methods = rangeCasterNames();
   if (std::find(methods.begin(), methods.end(), p.range_method) == methods.end()) {
-    problem << "range_method is '" << p.range_method << "'; it must be one of";
-    for (const std::string& method : methods) problem << " " << method;
-  } else if (!(std::isfinite(p.max_range) && p.max_range > 0.0)) {
-    problem << "max_range is " << p.max_range << " m; it must be positive and finite";
-  } else if (!(std::isfinite(p.panorama_spacing) && p.panorama_spacing > 0.0)) {
-    problem << "panorama_spacing is " << p.panorama_spacing << " m; it must be positive";
-  } else if (p.panorama_directions < 16 || p.panorama_directions > 16384) {
-    problem << "panorama_directions is " << p.panorama_directions << "; it must lie in [16, 16384]";
-  } else if (!(p.panorama_memory >= 0.0 && p.panorama_memory <= 10000.0)) {
-    problem << "panorama_memory is " << p.panorama_memory << " MB; it must lie in [0, 10000]";
+    std::string problem = "range_method is '" + p.range_method + "'; it must be one of";
+    for (const std::string& method : methods) problem += " " + method;
+    throw ParameterError(problem);
   }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  requirePositive("max_range", p.max_range, "m");
+  requirePositive("panorama_spacing", p.panorama_spacing, "m");
+  requireWithin("panorama_directions", p.panorama_directions, 16, 16384);
+  requireWithin("panorama_memory", p.panorama_memory, 0.0, 10000.0, "MB");
 }
 
 std::unique_ptr<RangeCaster> makeRangeCaster(const OccupancyGrid& grid,

@@ -1,39 +1,24 @@
 #include "racecar_mcl/sensor_table.h"
 
 #include <cmath>
-#include <sstream>
-#include <utility>
 
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl {
 
 void validate(const SensorTableParameters& p) {
-  std::ostringstream problem;
-  const std::pair<const char*, double> shares[] = {{"alpha_hit", p.alpha_hit},
-                                                   {"alpha_short", p.alpha_short},
-                                                   {"alpha_max", p.alpha_max},
-                                                   {"alpha_rand", p.alpha_rand}};
-  double sum = 0.0;
-  for (const auto& [name, value] : shares) {
-    if (!std::isfinite(value) || value < 0.0 || value > 1.0) {
-      problem << name << " is " << value << "; it must lie in [0, 1]";
-      throw ParameterError(problem.str());
-    }
-    sum += value;
-  }
-  if (std::abs(sum - 1.0) > 1e-3) {
-    problem << "alpha_hit + alpha_short + alpha_max + alpha_rand is " << sum
-            << "; the four shares must sum to 1";
-  } else if (p.alpha_hit + p.alpha_max + p.alpha_rand == 0.0) {
-    problem << "alpha_short is " << p.alpha_short
-            << "; it cannot be the only share, for nothing comes short of a range of 0";
-  } else if (!std::isfinite(p.sigma_hit) || p.sigma_hit <= 0.0) {
-    problem << "sigma_hit is " << p.sigma_hit << " pixels; it must be positive";
-  } else if (p.table_width < 2 || p.table_width > 4001) {
-    problem << "table_width is " << p.table_width << " pixels; it must lie in [2, 4001]";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  requireShare("alpha_hit", p.alpha_hit);
+  requireShare("alpha_short", p.alpha_short);
+  requireShare("alpha_max", p.alpha_max);
+  requireShare("alpha_rand", p.alpha_rand);
+  const double at_zero = p.alpha_hit + p.alpha_max + p.alpha_rand;
+  const double sum = at_zero + p.alpha_short;
+  require(std::abs(sum - 1.0) <= 1e-3, "alpha_hit + alpha_short + alpha_max + alpha_rand", sum,
+          "1");
+  require(at_zero > 0.0, "alpha_short", p.alpha_short,
+          "less than all, for nothing comes short of a range of 0");
+  requirePositive("sigma_hit", p.sigma_hit, "pixels");
+  requireWithin("table_width", p.table_width, 2, 4001, "pixels");
 }
 
 Eigen::ArrayXXd makeSensorTable(const SensorTableParameters& p) {

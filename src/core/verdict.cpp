@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl {
 namespace {
@@ -42,20 +41,11 @@ std::string describe(VerdictState state) {
 }
 
 void validate(const VerdictParameters& p) {
-  std::ostringstream problem;
-  if (!(p.verdict_time > 0.0 && p.verdict_time <= 100.0)) {
-    problem << "verdict_time is " << p.verdict_time << " s; it must lie in (0, 100]";
-  } else if (!(p.degraded_deviations > 0.0 && p.degraded_deviations <= 1000.0)) {
-    problem << "degraded_deviations is " << p.degraded_deviations << "; it must lie in (0, 1000]";
-  } else if (!(p.lost_below >= 0.0 && p.lost_below <= 1.0)) {
-    problem << "lost_below is " << p.lost_below << "; it must lie in [0, 1]";
-  } else if (!(p.localized_sigma > 0.0 && p.localized_sigma <= 1000.0)) {
-    problem << "localized_sigma is " << p.localized_sigma << " m; it must lie in (0, 1000]";
-  } else if (!(p.odometry_disagreement > 0.0 && p.odometry_disagreement <= 1000.0)) {
-    problem << "odometry_disagreement is " << p.odometry_disagreement
-            << "; it must lie in (0, 1000]";
-  }
-  if (!problem.str().empty()) throw ParameterError(problem.str());
+  requirePositiveUpTo("verdict_time", p.verdict_time, 100.0, "s");
+  requirePositiveUpTo("degraded_deviations", p.degraded_deviations, 1000.0);
+  requireShare("lost_below", p.lost_below);
+  requirePositiveUpTo("localized_sigma", p.localized_sigma, 1000.0, "m");
+  requirePositiveUpTo("odometry_disagreement", p.odometry_disagreement, 1000.0);
 }
 
 Judge::Judge(const VerdictParameters& parameters)

@@ -9,6 +9,7 @@
 
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/parameters.h"
+#include "racecar_mcl/require.h"
 #include "ros/conversions.h"
 
 namespace racecar_mcl {
@@ -114,16 +115,12 @@ bool setNodeParameter(const std::string& name, const std::string& text, NodePara
 
 void validate(const NodeParameters& p) {
   const bool from_tf = p.localizer.odometry.motion_from == MotionFrom::kTf;
+  requireWithin("transform_tolerance", p.transform_tolerance, 0.0, 1.0, "s");
+  requirePositive("max_silence", p.max_silence, "s");
+  requirePositive("visualization_rate", p.visualization_rate, "Hz");
+  requirePositive("diagnostics_rate", p.diagnostics_rate, "Hz");
   std::ostringstream problem;
-  if (p.transform_tolerance < 0.0 || p.transform_tolerance > 1.0) {
-    problem << "transform_tolerance is " << p.transform_tolerance << " s; it must lie in [0, 1]";
-  } else if (p.max_silence <= 0.0) {
-    problem << "max_silence is " << p.max_silence << " s; it must be positive";
-  } else if (p.visualization_rate <= 0.0) {
-    problem << "visualization_rate is " << p.visualization_rate << " Hz; it must be positive";
-  } else if (p.diagnostics_rate <= 0.0) {
-    problem << "diagnostics_rate is " << p.diagnostics_rate << " Hz; it must be positive";
-  } else if (p.initial_pose && p.global_start) {
+  if (p.initial_pose && p.global_start) {
     problem << "initial_pose and global_start are both set; the car starts at one or anywhere";
   } else if (from_tf && p.tf_mode == TfMode::kMapToBase) {
     problem << "tf_mode is map_to_base though motion_from is tf: '" << p.particle_filter_frame

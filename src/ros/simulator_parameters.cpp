@@ -5,8 +5,8 @@
 #include <map>
 
 #include "racecar_mcl/errors.h"
+#include "racecar_mcl/require.h"
 #include "ros/node_parameters.h"
-#include "sim/check.h"
 
 namespace racecar_mcl {
 namespace {
@@ -56,13 +56,12 @@ void validate(const SimulatorNodeParameters& p) {
   p.simulator.validate();
   p.follower.validate();
   p.scene.validate();
-  sim::requirePositive("command_timeout", p.command_timeout);
-  sim::require(p.real_time_factor >= 0.05 && p.real_time_factor <= 100.0, "real_time_factor",
-               p.real_time_factor, "between 0.05 and 100");
-  sim::requirePositive("obstacle_radius", p.obstacle_radius);
-  sim::requireNotNegative("obstacle_walk", p.obstacle_walk);
-  sim::requireNotNegative("obstacle_speed", p.obstacle_speed);
-  sim::require(p.seed >= 0, "seed", p.seed, "at least 0");
+  requirePositive("command_timeout", p.command_timeout, "s");
+  requireWithin("real_time_factor", p.real_time_factor, 0.05, 100.0);
+  requirePositive("obstacle_radius", p.obstacle_radius, "m");
+  requireNotNegative("obstacle_walk", p.obstacle_walk, "m");
+  requireNotNegative("obstacle_speed", p.obstacle_speed, "m/s");
+  requireNotNegative("seed", p.seed);
 }
 
 }  // namespace

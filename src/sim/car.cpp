@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/check.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl::sim {
 
 void CarParameters::validate() const {
-  requirePositive("wheelbase (m)", wheelbase);
-  require(max_steering > 0.0 && max_steering < kPi / 2.0, "max_steering (rad)", max_steering,
-          "between 0 and pi/2");
-  requirePositive("max_steering_rate (rad/s)", max_steering_rate);
-  requirePositive("max_acceleration (m/s^2)", max_acceleration);
-  requirePositive("max_deceleration (m/s^2)", max_deceleration);
-  requirePositive("length_ahead (m)", length_ahead);
-  requireNotNegative("length_behind (m)", length_behind);
-  requirePositive("width (m)", width);
+  requirePositive("wheelbase", wheelbase, "m");
+  require(max_steering > 0.0 && max_steering < kPi / 2.0, "max_steering", max_steering,
+          "between 0 and pi/2", "rad");
+  requirePositive("max_steering_rate", max_steering_rate, "rad/s");
+  requirePositive("max_acceleration", max_acceleration, "m/s^2");
+  requirePositive("max_deceleration", max_deceleration, "m/s^2");
+  requirePositive("length_ahead", length_ahead, "m");
+  requireNotNegative("length_behind", length_behind, "m");
+  requirePositive("width", width, "m");
 }
 
 Twist2 twistOf(const CarState& car, const CarParameters& parameters) {

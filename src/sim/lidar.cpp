@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "sim/check.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl::sim {
 namespace {
@@ -12,23 +12,23 @@ constexpr float kNothing = std::numeric_limits<float>::infinity();
 }  // namespace
 
 void LidarParameters::validate() const {
-  require(rate > 0.0 && rate <= 200.0, "lidar rate (Hz)", rate, "above 0 and at most 200");
-  require(beams >= 2 && beams <= 100000, "lidar beams", beams, "between 2 and 100000");
-  require(field_of_view > 0.0 && field_of_view <= 2.0 * kPi, "lidar field_of_view (rad)",
-          field_of_view, "above 0 and at most 2 pi");
-  require(sweep_time >= 0.0 && sweep_time < 1.0 / rate, "lidar sweep_time (s)", sweep_time,
-          "at least 0 and less than the time between sweeps");
-  requireNotNegative("lidar range_noise (m)", range_noise);
+  requirePositiveUpTo("lidar rate", rate, 200.0, "Hz");
+  requireWithin("lidar beams", beams, 2, 100000);
+  require(field_of_view > 0.0 && field_of_view <= 2.0 * kPi, "lidar field_of_view", field_of_view,
+          "positive and at most 2 pi", "rad");
+  require(sweep_time >= 0.0 && sweep_time < 1.0 / rate, "lidar sweep_time", sweep_time,
+          "at least 0 and less than the time between sweeps", "s");
+  requireNotNegative("lidar range_noise", range_noise, "m");
   requireShare("lidar missing_rate", missing_rate);
   requireShare("lidar dropout_rate", dropout_rate);
-  requireNotNegative("lidar range_min (m)", range_min);
-  require(std::isfinite(range_max) && range_max > range_min, "lidar range_max (m)", range_max,
-          "finite and above range_min");
-  requireFinite("laser_in_base x (m)", laser_in_base.x);
-  requireFinite("laser_in_base y (m)", laser_in_base.y);
-  requireFinite("laser_in_base yaw (rad)", laser_in_base.yaw);
+  requireNotNegative("lidar range_min", range_min, "m");
+  require(std::isfinite(range_max) && range_max > range_min, "lidar range_max", range_max,
+          "finite and above range_min", "m");
+  requireFinite("laser_in_base x", laser_in_base.x, "m");
+  requireFinite("laser_in_base y", laser_in_base.y, "m");
+  requireFinite("laser_in_base yaw", laser_in_base.yaw, "rad");
   requireShare("glass share", glass.share);
-  requirePositive("glass patch (m)", glass.patch);
+  requirePositive("glass patch", glass.patch, "m");
 }
 
 Scan toScan(const LidarScan& sweep) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "sim/check.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl::sim {
 namespace {
@@ -41,19 +41,19 @@ double castBox(double length, double width, const Eigen::Vector2d& start,
 }  // namespace
 
 void Obstacle::validate() const {
-  if (shape == Shape::kDisc) requirePositive("obstacle radius (m)", radius);
+  if (shape == Shape::kDisc) requirePositive("obstacle radius", radius, "m");
   if (shape == Shape::kBox) {
-    requirePositive("obstacle length (m)", length);
-    requirePositive("obstacle width (m)", width);
+    requirePositive("obstacle length", length, "m");
+    requirePositive("obstacle width", width, "m");
   }
-  requireNotNegative("obstacle speed (m/s)", speed);
-  requireFinite("obstacle start time (s)", start_time);
-  requireFinite("obstacle x (m)", in_map.x);
-  requireFinite("obstacle y (m)", in_map.y);
-  requireFinite("obstacle yaw (rad)", in_map.yaw);
+  requireNotNegative("obstacle speed", speed, "m/s");
+  requireFinite("obstacle start time", start_time, "s");
+  requireFinite("obstacle x", in_map.x, "m");
+  requireFinite("obstacle y", in_map.y, "m");
+  requireFinite("obstacle yaw", in_map.yaw, "rad");
   for (const Eigen::Vector2d& point : path) {
-    requireFinite("obstacle path x (m)", point.x());
-    requireFinite("obstacle path y (m)", point.y());
+    requireFinite("obstacle path x", point.x(), "m");
+    requireFinite("obstacle path y", point.y(), "m");
   }
 }
 

@@ -1,23 +1,23 @@
 #include "sim/odometry.h"
 
-#include "sim/check.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl::sim {
 
 void OdometryParameters::validate() const {
-  require(rate > 0.0 && rate <= 1000.0, "odometry rate (Hz)", rate, "above 0 and at most 1000");
-  requireNotNegative("odometry noise vx (m/s)", noise.vx);
-  requireNotNegative("odometry noise vy (m/s)", noise.vy);
-  requireNotNegative("odometry noise wz (rad/s)", noise.wz);
+  requirePositiveUpTo("odometry rate", rate, 1000.0, "Hz");
+  requireNotNegative("odometry noise vx", noise.vx, "m/s");
+  requireNotNegative("odometry noise vy", noise.vy, "m/s");
+  requireNotNegative("odometry noise wz", noise.wz, "rad/s");
   require(std::isfinite(speed_scale_error) && speed_scale_error > -1.0, "speed_scale_error",
           speed_scale_error, "above -1 and finite");
   require(std::isfinite(turn_scale_error) && turn_scale_error > -1.0, "turn_scale_error",
           turn_scale_error, "above -1 and finite");
-  requireFinite("speed_bias (m/s)", speed_bias);
-  requireFinite("turn_bias (rad/s)", turn_bias);
+  requireFinite("speed_bias", speed_bias, "m/s");
+  requireFinite("turn_bias", turn_bias, "rad/s");
   requireShare("slip", slip);
-  requireNotNegative("slip_rate (1/s)", slip_rate);
-  requirePositive("slip_duration (s)", slip_duration);
+  requireNotNegative("slip_rate", slip_rate, "1/s");
+  requirePositive("slip_duration", slip_duration, "s");
   requireShare("odometry dropout_rate", dropout_rate);
 }
 

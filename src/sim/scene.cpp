@@ -4,7 +4,7 @@
 
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/map_io.h"
-#include "sim/check.h"
+#include "racecar_mcl/require.h"
 #include "sim/placement.h"
 
 namespace racecar_mcl::sim {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/check.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl::sim {
 namespace {
@@ -21,8 +21,7 @@ void SimulatorParameters::validate() const {
   car.validate();
   lidar.validate();
   odometry.validate();
-  require(truth_rate > 0.0 && truth_rate <= 1000.0, "truth_rate (Hz)", truth_rate,
-          "above 0 and at most 1000");
+  requirePositiveUpTo("truth_rate", truth_rate, 1000.0, "Hz");
 }
 
 Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorParameters& parameters,
@@ -37,9 +36,9 @@ Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorParamete
 }
 
 std::vector<Event> Simulator::advance(double seconds, const Command& command) {
-  requireNotNegative("simulated time (s)", seconds);
-  requireFinite("commanded speed (m/s)", command.speed);
-  requireFinite("commanded steering (rad)", command.steering);
+  requireNotNegative("simulated time", seconds, "s");
+  requireFinite("commanded speed", command.speed, "m/s");
+  requireFinite("commanded steering", command.steering, "rad");
   std::vector<Event> events;
   pending_ += seconds;
   // Half a nanosecond of slack: ten steps of 0.1 s are a second.
@@ -104,9 +103,9 @@ void Simulator::setObstacles(std::vector<Obstacle> obstacles) {
 }
 
 void Simulator::place(const Pose2& base_in_map) {
-  requireFinite("x of the car's place (m)", base_in_map.x);
-  requireFinite("y of the car's place (m)", base_in_map.y);
-  requireFinite("yaw of the car's place (rad)", base_in_map.yaw);
+  requireFinite("x of the car's place", base_in_map.x, "m");
+  requireFinite("y of the car's place", base_in_map.y, "m");
+  requireFinite("yaw of the car's place", base_in_map.yaw, "rad");
   car_ = {base_in_map, 0.0, 0.0};
   car_.base_in_map.yaw = wrapAngle(base_in_map.yaw);
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "sim/check.h"
+#include "racecar_mcl/require.h"
 
 namespace racecar_mcl::sim {
 namespace {
@@ -196,13 +196,12 @@ Outlook foresee(const Points& points, double speed, double swerve, double swerve
 }  // namespace
 
 void WallFollowerParameters::validate() const {
-  requirePositive("wall_distance (m)", wall_distance);
-  requirePositive("speed (m/s)", speed);
-  require(min_speed > 0.0 && std::isfinite(min_speed), "min_speed (m/s)", min_speed,
-          "positive and finite");
-  requirePositive("max_lateral_acceleration (m/s^2)", max_lateral_acceleration);
-  requirePositive("max_braking (m/s^2)", max_braking);
-  requireNotNegative("margin (m)", margin);
+  requirePositive("wall_distance", wall_distance, "m");
+  requirePositive("speed", speed, "m/s");
+  requirePositive("min_speed", min_speed, "m/s");
+  requirePositive("max_lateral_acceleration", max_lateral_acceleration, "m/s^2");
+  requirePositive("max_braking", max_braking, "m/s^2");
+  requireNotNegative("margin", margin, "m");
   car.validate();
 }
 

@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongParameter{"OutOfRange", {"_num_particles:=0"}, "num_particles is 0"},
         WrongParameter{"UnknownName", {"_num_partikles:=200"}, "num_particles"},
         WrongParameter{"WrongType", {"_num_particles:=many"}, "num_particles"},
-        WrongParameter{"SharesThatDoNotSumToOne", {"_alpha_hit:=0.9"}, "sum to 1"},
+        WrongParameter{"SharesThatDoNotSumToOne", {"_alpha_hit:=0.9"}, "it must be 1"},
         WrongParameter{"UnknownCaster", {"_range_method:=magic"}, "range_method is 'magic'"},
         WrongParameter{"UnknownTfMode", {"_tf_mode:=sideways"}, "tf_mode is 'sideways'"},
         WrongParameter{"TwoStarts",

@@ -50,7 +50,7 @@ TEST_F(SimulatorNodeletTest, DrivesUntilItIsUnloaded) {
 
 TEST_F(SimulatorNodeletTest, SaysWhyItDoesNotDrive) {
   ASSERT_TRUE(load("/mistaken"));
-  EXPECT_TRUE(listener_.waitForLog("not simulating: speed (m/s) is -1"));
+  EXPECT_TRUE(listener_.waitForLog("not simulating: speed is -1 m/s"));
   EXPECT_FALSE(scanComes(0.5));
 }
 

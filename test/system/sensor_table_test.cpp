@@ -91,7 +91,7 @@ TEST(SensorTableProgram, refusesSharesThatDoNotAddUpUnknownOptionsAndUnwritableF
   const ProgramResult shares = runProgram(SENSOR_TABLE_PROGRAM, {"--alpha-hit", "0.9"});
   EXPECT_EQ(shares.exit_code, 1);
   EXPECT_EQ(shares.out, "");
-  EXPECT_NE(shares.err.find("must sum to 1"), std::string::npos) << shares.err;
+  EXPECT_NE(shares.err.find("it must be 1"), std::string::npos) << shares.err;
   const ProgramResult option = runProgram(SENSOR_TABLE_PROGRAM, {"--sigma", "3"});
   EXPECT_EQ(option.exit_code, 1);
   EXPECT_NE(option.err.find("--sigma"), std::string::npos) << option.err;
