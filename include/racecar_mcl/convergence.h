@@ -19,8 +19,8 @@ namespace racecar_mcl {
 /// lidar's noise averages out.
 double newsAfter(const Motion& motion, double news_distance);
 
-/// The place where all but a ten-thousandth of the weight is, if that is a place: a cluster not wider
-/// than 0.3 m. `clusters` as ClusterFinder gives them.
+/// The place where all but a ten-thousandth of the weight is, if that is a place: a cluster not
+/// wider than 0.3 m. `clusters` as ClusterFinder gives them.
 std::optional<Pose2> onlyPlace(const std::vector<Cluster>& clusters);
 
 /// Takes the weight from particles away from a place and normalises what is left.
