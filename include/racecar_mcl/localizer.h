@@ -14,6 +14,7 @@
 #include "racecar_mcl/odometry_doubt.h"
 #include "racecar_mcl/particle_filter.h"
 #include "racecar_mcl/scan.h"
+#include "racecar_mcl/second_opinion.h"
 #include "racecar_mcl/verdict.h"
 
 namespace racecar_mcl {
@@ -38,6 +39,7 @@ struct LocalizerParameters {
   int min_beams = 10;            ///< a scan with fewer valid beams is not used
   bool deskew = true;            ///< correct for the car's motion during the sweep
   bool global_search = true;     ///< a global start begins where the first scan fits, not evenly
+  bool second_opinion = true;    ///< believe a search of the map when a second one agrees
   bool recovery = true;          ///< search the map again when scans are explained badly
   bool reject_short_returns = false;  ///< leave out beams that something unmapped stopped, while
                                       ///< localized
@@ -110,7 +112,10 @@ class Localizer {
     bool reject_short = false;  ///< leave short returns out of the weighing
     bool search = false;        ///< start where the scan fits
     bool recover = false;       ///< put particles where the scan fits better, if it does
-    bool recovered = false;     ///< it did
+    bool recovered = false;     ///< it did, or a second search was believed instead
+    bool moved = false;         ///< to another place: `correction` says nothing of the way there
+    bool asked = false;         ///< a second search has begun
+    bool unconfirmed = false;   ///< a second search has not agreed yet
   };
 
   /// Throws as `validate` does.
@@ -178,6 +183,8 @@ class Localizer {
   }
   ScanOutcome admit(const Scan& scan);
   bool wantsRecovery(double stamp);
+  void weigh(ScanTask* task);
+  void seekSecondOpinion(bool was_converging, ScanTask* task);
   Verdict judge(const ScanTask& task);
   void learnDoubt(const ScanTask& task);
   void anchorHere();
@@ -191,6 +198,7 @@ class Localizer {
   std::optional<Anchor> anchor_;
   std::optional<double> last_scan_stamp_;
   bool search_pending_ = false;
+  SecondOpinion second_opinion_;
   Judge judge_;
   double last_recovery_stamp_ = -1e9;  ///< s
   double recovery_pause_ = 0.0;        ///< s, until the next search

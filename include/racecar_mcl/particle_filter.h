@@ -69,10 +69,15 @@ class ParticleFilter {
   void initializeGlobally(const MapModel& map);
 
   bool initialized() const { return particles_.size() > 0; }
+  /// Since a global start no single place was settled on.
+  bool converging() const { return converging_; }
 
   /// The same, but starting where a scan fits, in as many places as it fits in. What it returns is
   /// valid until the next update.
   const UpdateResult& initializeGlobally(const MapModel& map, const Scan& beams);
+
+  /// Takes a set that stands in one place for its own. Returns as initializeGlobally.
+  const UpdateResult& initialize(const ParticleSet& particles, const Scan& beams);
 
   /// Looks for places on the whole map from where the scan is explained better by a tenth of its
   /// beams. Where there are, particles are put there beside those of the set, which converges
@@ -94,6 +99,8 @@ class ParticleFilter {
  private:
   /// Takes a set, with equal weights, that is still to settle and perhaps to converge.
   void startFrom(ParticleSet particles, bool converging);
+  /// The result of a start, of which a scan has said nothing yet.
+  const UpdateResult& reportStart(const Scan& beams);
   void requireStart() const;
   /// The log-likelihood of a scan for each particle, tempered while the set converges.
   Eigen::ArrayXd& weigh(MapModel* map, const Scan& beams);

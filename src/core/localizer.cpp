@@ -59,6 +59,7 @@ Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
       filter_(parameters.filter, parameters.motion, seed),
       odometry_(parameters.odometry),
       calibration_(parameters.calibration),
+      second_opinion_(parameters.filter, parameters.motion, seed + 1),
       judge_(parameters.verdict) {}
 
 void Localizer::setMap(std::shared_ptr<MapModel> map) { map_ = std::move(map); }
@@ -95,6 +96,7 @@ void Localizer::anchorHere() {
   judge_.startAgain();
   doubt_.startAgain();
   recovery_pause_ = kShortestPause;
+  second_opinion_.drop();
 }
 
 OdometryOutcome Localizer::addOdometry(const OdometrySample& sample) {
@@ -201,18 +203,47 @@ void Localizer::processScan(ScanTask* task) {
     update.estimate = task->predicted;
   } else if (task->search) {
     update = filter_.initializeGlobally(*map_, task->beams);
+    task->moved = true;
   } else {
-    filter_.predict(task->motion);
-    task->recovered = task->recover && filter_.reconsider(map_.get(), task->beams);
-    update = filter_.update(
-        map_.get(), task->reject_short ? withoutShortReturns(map_.get(), predicted, task->beams,
-                                                             parameters_.min_beams)
-                                       : task->beams);
+    weigh(task);
   }
+  task->unconfirmed = second_opinion_.pending();
   const Pose2& estimated = update.estimate.base_in_map;
   task->correction = between(predicted, estimated);
   task->fit = fitScan(map_.get(), estimated, task->beams);
   if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;
+}
+
+void Localizer::weigh(ScanTask* task) {
+  const bool was_converging = filter_.converging();
+  filter_.predict(task->motion);
+  if (task->recover && filter_.reconsider(map_.get(), task->beams)) {
+    task->recovered = task->moved = true;
+    second_opinion_.drop();
+  }
+  const Pose2& predicted = task->predicted.base_in_map;
+  task->result.update = filter_.update(
+      map_.get(), task->reject_short ? withoutShortReturns(map_.get(), predicted, task->beams,
+                                                           parameters_.min_beams)
+                                     : task->beams);
+  if (parameters_.second_opinion) seekSecondOpinion(was_converging, task);
+}
+
+void Localizer::seekSecondOpinion(bool was_converging, ScanTask* task) {
+  if (filter_.converging()) return;
+  bool ask = was_converging;
+  if (!ask && second_opinion_.pending()) {
+    UpdateResult& update = task->result.update;
+    const SecondOpinion::Answer answer =
+        second_opinion_.hear(task->motion, map_.get(), task->beams, update.estimate.base_in_map);
+    if (answer == SecondOpinion::Answer::kObjects) {
+      update = filter_.initialize(second_opinion_.particles(), task->beams);
+      task->recovered = task->moved = ask = true;  // and the next one is to agree with it
+    }
+  }
+  if (!ask) return;
+  second_opinion_.ask(*map_, task->beams);
+  task->asked = true;
 }
 
 Verdict Localizer::judge(const ScanTask& task) {
@@ -221,15 +252,16 @@ Verdict Localizer::judge(const ScanTask& task) {
   evidence.stamp = task.result.stamp;
   evidence.fit = task.fit;
   evidence.converging = update.converging;
+  evidence.unconfirmed = task.unconfirmed;
   evidence.position_sigma = positionSigma(update.estimate);
   evidence.travelled = task.motion.distance;
-  evidence.correction = {task.correction.x, task.correction.y};
+  if (!task.moved) evidence.correction = {task.correction.x, task.correction.y};
   return judge_.judge(evidence);
 }
 
 void Localizer::learnDoubt(const ScanTask& task) {
   // A jump to another place says nothing of the way there.
-  if (task.search || task.recovered || task.result.update.converging) return doubt_.startAgain();
+  if (task.moved || task.result.update.converging) return doubt_.startAgain();
   Motion usual = task.motion;
   usual.noise_factor = 1.0;
   doubt_.learn(task.correction, motionCovariance(parameters_.motion, usual), usual.seconds);
@@ -255,9 +287,10 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
       return result;
   }
   if (task.search) search_pending_ = false;
+  if (task.asked) scans_since_stop_ = 0;  // a parked car is to hear it too
+  if (task.recovered) ++counters_.recoveries;
   if (task.recover) {
     last_recovery_stamp_ = result.stamp;
-    if (task.recovered) ++counters_.recoveries;
     if (!task.recovered) judge_.acceptAsUsual();
     recovery_pause_ =
         task.recovered ? kShortestPause : std::min(2.0 * recovery_pause_, kLongestPause);

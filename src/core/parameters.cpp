@@ -99,6 +99,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("field_squash", p.sensor.field.field_squash);
   visit("field_inside", p.sensor.field.field_inside);
 
+  visit("second_opinion", p.second_opinion);
   visit("recovery", p.recovery);
   visit("verdict_time", p.verdict.verdict_time);
   visit("degraded_deviations", p.verdict.degraded_deviations);

@@ -118,6 +118,15 @@ void ParticleFilter::initializeGlobally(const MapModel& map) {
 
 const UpdateResult& ParticleFilter::initializeGlobally(const MapModel& map, const Scan& beams) {
   startFrom(map.search.candidates(beams, parameters_.global_particles, random_), true);
+  return reportStart(beams);
+}
+
+const UpdateResult& ParticleFilter::initialize(const ParticleSet& particles, const Scan& beams) {
+  startFrom(particles, false);
+  return reportStart(beams);
+}
+
+const UpdateResult& ParticleFilter::reportStart(const Scan& beams) {
   weightsOf(particles_, &weights_);
   result_ = UpdateResult{};
   reportSet(beams);

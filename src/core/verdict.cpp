@@ -121,6 +121,9 @@ Verdict Judge::conclude(const Evidence& evidence) const {
     return verdict(VerdictState::kDegraded,
                    "odometry and scans disagree by " + percent(disagreement) + " of the way");
   }
+  if (evidence.unconfirmed) {
+    return verdict(VerdictState::kConverging, "a second search of the map has not agreed yet");
+  }
   return verdict(VerdictState::kLocalized, fit);
 }
 

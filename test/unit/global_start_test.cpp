@@ -1,6 +1,10 @@
 // A car that is told nothing, driving on the simulated maps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
+#include <string>
+
 #include "evaluation/simulated_drive.h"
 
 namespace racecar_mcl {
@@ -31,6 +35,73 @@ TEST_P(GlobalStartTest, FindsItselfFromRandomPoses) {
 
 TEST_P(GlobalStartTest, GivesTheSameForTheSameSeed) {
   EXPECT_EQ(errorAfter(1.2, 7), errorAfter(1.2, 7));
+}
+
+/// When the localizer first says that it knows where it is.
+struct Belief {
+  double seconds = 0.0;
+  double error = 0.0;  ///< m
+  std::string reason_before;
+};
+
+TEST_P(GlobalStartTest, IsBelievedOnceASecondSearchAgrees) {
+  const auto firstBelief = [this](bool second_opinion) {
+    parameters_.second_opinion = second_opinion;
+    Random random(3);
+    const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
+    SimulatedDrive drive(course_, parameters_, {}, pose, 3.0, 3);
+    EXPECT_TRUE(drive.localizer().initializeGlobally());
+    std::optional<Belief> belief;
+    std::string reason;
+    drive.drive(4.0, [&](const Observation& seen) {
+      const Verdict& verdict = seen.result.verdict;
+      if (verdict.state == VerdictState::kLocalized && !belief) {
+        belief = Belief{drive.simulator().time(), seen.error, reason};
+      }
+      reason = verdict.reason;
+    });
+    EXPECT_TRUE(belief.has_value());
+    return belief.value_or(Belief{});
+  };
+  const Belief at_once = firstBelief(false);
+  const Belief confirmed = firstBelief(true);
+  EXPECT_GT(confirmed.seconds, at_once.seconds);
+  EXPECT_EQ(confirmed.reason_before, "a second search of the map has not agreed yet");
+  EXPECT_NE(at_once.reason_before, confirmed.reason_before);
+  EXPECT_LT(confirmed.error, 0.2);
+}
+
+TEST_P(GlobalStartTest, IsCorrectedByASecondSearch) {
+  parameters_.recovery = false;
+  for (const std::uint64_t seed : {3, 4}) {
+    Random random(seed);
+    const auto somewhere = [&] { return sim::randomFreePose(*course_.world, {}, random, 0.3); };
+    SimulatedDrive drive(course_, parameters_, {}, somewhere(), 3.0, seed);
+    EXPECT_TRUE(drive.localizer().initializeGlobally());
+    // As soon as a place is found the car is carried away, and the place is wrong.
+    bool carried = false;
+    double error = 0.0;
+    drive.drive(8.0, [&](const Observation& seen) {
+      error = seen.error;
+      if (carried || seen.result.verdict.reason.rfind("a second search", 0) != 0) return;
+      drive.simulator().place(somewhere());
+      carried = true;
+    });
+    EXPECT_TRUE(carried);
+    EXPECT_LT(error, 0.2) << seed;
+    EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized) << seed;
+    EXPECT_GE(drive.localizer().counters().recoveries, 1u) << seed;
+  }
+}
+
+TEST_P(GlobalStartTest, IsConfirmedWhereTheCarStands) {
+  Random random(3);
+  const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
+  SimulatedDrive drive(course_, parameters_, {}, pose, 1e-9, 3);
+  EXPECT_TRUE(drive.localizer().initializeGlobally());
+  drive.drive(4.0, [](const Observation&) {});
+  EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized)
+      << drive.localizer().verdict().reason;
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, GlobalStartTest, ::testing::Values("corridor", "track"),

@@ -39,6 +39,16 @@ TEST_F(VerdictTest, ConvergesUntilASinglePlaceIsLeft) {
   EXPECT_EQ(after(0.1), VerdictState::kLocalized);
 }
 
+TEST_F(VerdictTest, IsNotLocalizedUntilASecondSearchAgrees) {
+  evidence_.unconfirmed = true;
+  EXPECT_EQ(after(2.0), VerdictState::kConverging);
+  evidence_.fit.explained = 0.3;
+  EXPECT_EQ(after(2.0), VerdictState::kLost);
+  evidence_.fit.explained = 0.95;
+  evidence_.unconfirmed = false;
+  EXPECT_EQ(after(2.0), VerdictState::kLocalized);
+}
+
 TEST_F(VerdictTest, IsNotLocalizedWhereAStartIsExplainedBadly) {
   evidence_.fit.explained = 0.65;
   EXPECT_EQ(after(5.0), VerdictState::kConverging);
