@@ -44,6 +44,7 @@ struct Evidence {
   ScanFit fit;                  ///< of the scan, from the estimate
   bool converging = false;      ///< the particles have not settled on one place
   bool unconfirmed = false;     ///< on this one they have, but a second search has not agreed yet
+  bool moved = false;           ///< to another place: what scans corrected says nothing of this one
   double position_sigma = 0.0;  ///< m, the larger axis of the estimate
   double travelled = 0.0;       ///< m, since the last scan, says odometry
   Eigen::Vector2d correction = Eigen::Vector2d::Zero();  ///< m, from where odometry put the car to

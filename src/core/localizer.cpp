@@ -255,7 +255,8 @@ Verdict Localizer::judge(const ScanTask& task) {
   evidence.unconfirmed = task.unconfirmed;
   evidence.position_sigma = positionSigma(update.estimate);
   evidence.travelled = task.motion.distance;
-  if (!task.moved) evidence.correction = {task.correction.x, task.correction.y};
+  evidence.moved = task.moved;
+  evidence.correction = {task.correction.x, task.correction.y};
   return judge_.judge(evidence);
 }
 

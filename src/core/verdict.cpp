@@ -79,8 +79,11 @@ void Judge::average(const Evidence& evidence) {
   heard_ = true;
 
   const double remember = std::exp(-elapsed / kCorrectionTime);
-  correction_ = evidence.converging ? Eigen::Vector2d::Zero()
-                                    : Eigen::Vector2d(remember * correction_ + evidence.correction);
+  if (evidence.converging || evidence.moved) {
+    correction_.setZero();
+  } else {
+    correction_ = remember * correction_ + evidence.correction;
+  }
   travelled_ = remember * travelled_ + evidence.travelled;
 }
 

@@ -139,6 +139,15 @@ TEST_F(VerdictTest, IsDegradedWhereScansCorrectTheOdometryAllTheTime) {
   EXPECT_EQ(after(3.0), VerdictState::kLocalized);
 }
 
+TEST_F(VerdictTest, ForgetsInAnotherPlaceWhatScansCorrected) {
+  after(1.0);
+  evidence_.correction = {0.02, 0.0};
+  EXPECT_EQ(after(3.0), VerdictState::kDegraded);
+  evidence_.correction = {5.0, 0.0};  // the way there
+  evidence_.moved = true;
+  EXPECT_EQ(after(0.03), VerdictState::kLocalized);
+}
+
 TEST_F(VerdictTest, IsDegradedAfterHalfASecondWithoutAUsableScan) {
   after(1.0);
   const double last = evidence_.stamp;
