@@ -23,7 +23,10 @@ double newsAfter(const Motion& motion, double news_distance);
 /// wider than 0.3 m. `clusters` as ClusterFinder gives them.
 std::optional<Pose2> onlyPlace(const std::vector<Cluster>& clusters);
 
-/// Takes the weight from particles away from a place and normalises what is left.
+/// Within 1 m and 0.5 rad of each other.
+bool isSamePlace(const Pose2& a, const Pose2& b);
+
+/// Takes the weight from particles that are not in this place and normalises what is left.
 void keepNear(const Pose2& place, ParticleSet* particles);
 
 }  // namespace racecar_mcl

@@ -31,10 +31,13 @@ std::optional<Pose2> onlyPlace(const std::vector<Cluster>& clusters) {
   return estimate.base_in_map;
 }
 
+bool isSamePlace(const Pose2& a, const Pose2& b) {
+  return distance(a, b) <= kNear && std::abs(wrapAngle(a.yaw - b.yaw)) <= kNearYaw;
+}
+
 void keepNear(const Pose2& place, ParticleSet* particles) {
   for (Eigen::Index i = 0; i < particles->size(); ++i) {
-    if (distance(particles->pose(i), place) > kNear ||
-        std::abs(wrapAngle(particles->yaw[i] - place.yaw)) > kNearYaw) {
+    if (!isSamePlace(particles->pose(i), place)) {
       particles->log_weight[i] = -std::numeric_limits<double>::infinity();
     }
   }

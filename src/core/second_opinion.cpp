@@ -1,7 +1,5 @@
 #include "racecar_mcl/second_opinion.h"
 
-#include <cmath>
-
 #include "racecar_mcl/convergence.h"
 
 namespace racecar_mcl {
@@ -11,12 +9,6 @@ namespace {
 // misled one search may mislead the comparison as well, and a new second search costs little.
 constexpr double kTaken = 20.0;
 constexpr double kGivenUp = -10.0;
-constexpr double kNear = 1.0;     // m
-constexpr double kNearYaw = 0.5;  // rad
-
-bool isSamePlace(const Pose2& a, const Pose2& b) {
-  return distance(a, b) <= kNear && std::abs(wrapAngle(a.yaw - b.yaw)) <= kNearYaw;
-}
 
 }  // namespace
 
