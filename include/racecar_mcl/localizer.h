@@ -113,9 +113,10 @@ class Localizer {
     bool search = false;        ///< start where the scan fits
     bool recover = false;       ///< put particles where the scan fits better, if it does
     bool recovered = false;     ///< it did, or a second search was believed instead
-    bool moved = false;         ///< to another place: `correction` says nothing of the way there
     bool asked = false;         ///< a second search has begun
-    bool unconfirmed = false;   ///< a second search has not agreed yet
+
+    /// To another place: `correction` says nothing of the way there.
+    bool moved() const { return search || recovered; }
   };
 
   /// Throws as `validate` does.

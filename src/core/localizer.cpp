@@ -203,11 +203,9 @@ void Localizer::processScan(ScanTask* task) {
     update.estimate = task->predicted;
   } else if (task->search) {
     update = filter_.initializeGlobally(*map_, task->beams);
-    task->moved = true;
   } else {
     weigh(task);
   }
-  task->unconfirmed = second_opinion_.pending();
   const Pose2& estimated = update.estimate.base_in_map;
   task->correction = between(predicted, estimated);
   task->fit = fitScan(map_.get(), estimated, task->beams);
@@ -217,10 +215,8 @@ void Localizer::processScan(ScanTask* task) {
 void Localizer::weigh(ScanTask* task) {
   const bool was_converging = filter_.converging();
   filter_.predict(task->motion);
-  if (task->recover && filter_.reconsider(map_.get(), task->beams)) {
-    task->recovered = task->moved = true;
-    second_opinion_.drop();
-  }
+  task->recovered = task->recover && filter_.reconsider(map_.get(), task->beams);
+  if (task->recovered) second_opinion_.drop();
   const Pose2& predicted = task->predicted.base_in_map;
   task->result.update = filter_.update(
       map_.get(), task->reject_short ? withoutShortReturns(map_.get(), predicted, task->beams,
@@ -238,7 +234,7 @@ void Localizer::seekSecondOpinion(bool was_converging, ScanTask* task) {
         second_opinion_.hear(task->motion, map_.get(), task->beams, update.estimate.base_in_map);
     if (answer == SecondOpinion::Answer::kObjects) {
       update = filter_.initialize(second_opinion_.particles(), task->beams);
-      task->recovered = task->moved = ask = true;  // and the next one is to agree with it
+      task->recovered = ask = true;  // and the next one is to agree with it
     }
   }
   if (!ask) return;
@@ -252,17 +248,17 @@ Verdict Localizer::judge(const ScanTask& task) {
   evidence.stamp = task.result.stamp;
   evidence.fit = task.fit;
   evidence.converging = update.converging;
-  evidence.unconfirmed = task.unconfirmed;
+  evidence.unconfirmed = second_opinion_.pending();
   evidence.position_sigma = positionSigma(update.estimate);
   evidence.travelled = task.motion.distance;
-  evidence.moved = task.moved;
+  evidence.moved = task.moved();
   evidence.correction = {task.correction.x, task.correction.y};
   return judge_.judge(evidence);
 }
 
 void Localizer::learnDoubt(const ScanTask& task) {
   // A jump to another place says nothing of the way there.
-  if (task.moved || task.result.update.converging) return doubt_.startAgain();
+  if (task.moved() || task.result.update.converging) return doubt_.startAgain();
   Motion usual = task.motion;
   usual.noise_factor = 1.0;
   doubt_.learn(task.correction, motionCovariance(parameters_.motion, usual), usual.seconds);
