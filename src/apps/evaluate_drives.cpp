@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "evaluation/simulated_drive.h"
+#include "output_files.h"
 #include "parameter_options.h"
 #include "program.h"
 
@@ -205,40 +204,28 @@ void report(const std::string& what, const std::vector<Watch>& watches) {
       100.0 * static_cast<double>(false_alarms) / static_cast<double>(std::max(1L, right_scans)));
 }
 
-/// Rows of what became of each drive; times in s since the trouble began, empty where it never
-/// happened.
-class Table {
- public:
-  /// Throws std::runtime_error where the file cannot be written; with no path nothing is.
-  explicit Table(const std::string& path) {
-    if (path.empty()) return;
-    file_.exceptions(std::ofstream::failbit | std::ofstream::badbit);
-    try {
-      file_.open(path);
-      file_ << "map,trouble,seed,localized,noticed,longest_wrong_trust\n";
-    } catch (const std::ofstream::failure&) {
-      throw std::runtime_error("cannot write " + path);
-    }
-  }
+constexpr const char* kTableHeader = "map,trouble,seed,localized,noticed,longest_wrong_trust\n";
 
-  void add(const std::string& map, const std::string& trouble, int seed, const Watch& watch) {
-    if (!file_.is_open()) return;
-    const auto seconds = [](const std::optional<double>& value) {
-      char text[32] = "";
-      if (value) std::snprintf(text, sizeof(text), "%.3f", *value);
-      return std::string(text);
-    };
-    file_ << map << ',' << trouble << ',' << seed << ',' << seconds(watch.arrived) << ','
-          << seconds(watch.noticed) << ',' << seconds(watch.longest_wrong_trust) << std::endl;
-  }
-
- private:
-  std::ofstream file_;
-};
+/// What became of a drive; times in s since the trouble began, empty where it never happened.
+std::string tableRow(const std::string& map, const std::string& trouble, int seed,
+                     const Watch& watch) {
+  const auto seconds = [](const std::optional<double>& value) {
+    char text[32] = "";
+    if (value) std::snprintf(text, sizeof(text), "%.3f", *value);
+    return std::string(text);
+  };
+  return map + ',' + trouble + ',' + std::to_string(seed) + ',' + seconds(watch.arrived) + ',' +
+         seconds(watch.noticed) + ',' + seconds(watch.longest_wrong_trust) + '\n';
+}
 
 void run(const Options& options) {
   const LocalizerParameters parameters = readParameters(options.parameters);
-  Table table(options.out);
+  std::string table = kTableHeader;
+  // After every drive, and before the first: what is wrong with the path shows at once.
+  const auto keepTable = [&] {
+    if (!options.out.empty()) writeFile(options.out, table);
+  };
+  keepTable();
   for (const std::string& map : options.maps) {
     const Course course = loadCourse(map, parameters);
     for (const std::string& name : options.troubles) {
@@ -247,7 +234,8 @@ void run(const Options& options) {
         const auto seed = static_cast<std::uint64_t>(options.seed + i);
         watches.push_back(driveThrough(kTroubles.at(name), course, parameters, options, seed));
         const Watch& watch = watches.back();
-        table.add(map, name, options.seed + i, watch);
+        table += tableRow(map, name, options.seed + i, watch);
+        keepTable();
         if (options.verbose || watch.longest_wrong_trust > 1.0) {
           std::printf("  %s, %s, seed %d: wrongly trusted for %.2f s\n", map.c_str(), name.c_str(),
                       options.seed + i, watch.longest_wrong_trust);
