@@ -11,8 +11,9 @@ void require(bool holds, const std::string& name, double value, const std::strin
              const std::string& unit = "");
 
 void requireFinite(const std::string& name, double value, const std::string& unit = "");
-/// Finite and above 0, or 0 too.
+/// Finite and above 0.
 void requirePositive(const std::string& name, double value, const std::string& unit = "");
+/// Finite and 0 or above.
 void requireNotNegative(const std::string& name, double value, const std::string& unit = "");
 /// In [low, high].
 void requireWithin(const std::string& name, double value, double low, double high,

@@ -9,6 +9,7 @@ from .drives import CORRIDOR, TRACK, loop
 from .sweeps import plain_ticks
 from .workshop import DEFAULT
 
+BEFORE, AFTER = 2, 8  # s, driven before the trouble and after it
 AT_ONCE = 5.0  # s, within which the car should be found
 
 
@@ -33,7 +34,7 @@ class CarriedAway:
             for name, settings in variants:
                 table = workshop.folder / f"runs/{trouble}-{len(self.runs) + 1}.csv"
                 words = ["--map", CORRIDOR, TRACK, "--trouble", trouble, "--drives", self.drives, "--before",
-                         2, "--after", 8, "--seed", 1]
+                         BEFORE, "--after", AFTER, "--seed", 1]
                 for setting in settings:
                     words += ["--set", setting]
                 self.runs[trouble, name] = table, workshop.other(
@@ -47,7 +48,7 @@ class CarriedAway:
                 seconds = np.sort(seconds_until_localized(self.runs[trouble, name][0]))
                 found = seconds[np.isfinite(seconds)]
                 shares = 100.0 * np.arange(1, len(found) + 1) / len(seconds)
-                plot.step([0.0, *found, 8.0], [0.0, *shares, shares[-1] if len(shares) else 0.0],
+                plot.step([0.0, *found, AFTER], [0.0, *shares, shares[-1] if len(shares) else 0.0],
                           where="post", color=colour, label=name)
                 at_once = int(np.sum(seconds <= AT_ONCE))
                 median = seconds[len(seconds) // 2]
@@ -62,7 +63,7 @@ class CarriedAway:
         section.text(f"{self.drives} drives on each map at 3 m/s, seeds 1 to {self.drives}. Localized: an error "
                      "of at most 0.15 m that none above 0.5 m follows.")
         section.table(["what happens", "constants", f"localized within {AT_ONCE:g} s", "median time (s)"], rows,
-                      "The car is driven for 2 s, put elsewhere, and driven on; or nobody says where it is.")
+                      f"The car is driven for {BEFORE} s, put elsewhere, and driven on; or nobody says where it is.")
         section.figure(figure, "carried-away", "Share of the drives that are localized, over time.",
                        workshop.commands(*(planned for _, planned in self.runs.values())))
 
