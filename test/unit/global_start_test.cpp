@@ -24,6 +24,15 @@ class GlobalStartTest : public ::testing::TestWithParam<const char*> {
     return largest;
   }
 
+  /// A car that stands, and whose odometry says so.
+  SimulatedDrive standingDrive() const {
+    sim::SimulatorParameters simulator;
+    simulator.odometry.noise = {};
+    Random random(3);
+    const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
+    return SimulatedDrive(course_, parameters_, simulator, pose, 1e-9, 3);
+  }
+
   LocalizerParameters parameters_;
   Course course_ =
       loadCourse(std::string(RACECAR_MCL_SOURCE_DIR "/maps/") + GetParam() + ".yaml", parameters_);
@@ -100,10 +109,27 @@ TEST_P(GlobalStartTest, IsCorrectedByASecondSearch) {
   }
 }
 
-TEST_P(GlobalStartTest, IsConfirmedWhereTheCarStands) {
+TEST_P(GlobalStartTest, NeedsNoSecondSearchOnceItIsToldWhereItIs) {
   Random random(3);
   const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
-  SimulatedDrive drive(course_, parameters_, {}, pose, 1e-9, 3);
+  SimulatedDrive drive(course_, parameters_, {}, pose, 3.0, 3);
+  EXPECT_TRUE(drive.localizer().initializeGlobally());
+  bool told = false;
+  drive.drive(4.0, [&](const Observation& seen) {
+    const bool asked = seen.result.verdict.reason.rfind("a second search", 0) == 0;
+    EXPECT_FALSE(told && asked);
+    if (!asked || told) return;
+    PoseEstimate start{seen.base_in_map, Eigen::Matrix3d::Zero()};
+    start.covariance.diagonal() << 0.01, 0.01, 0.0025;
+    drive.localizer().initialize(start);
+    told = true;
+  });
+  EXPECT_TRUE(told);
+  EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized);
+}
+
+TEST_P(GlobalStartTest, IsConfirmedWhereTheCarStands) {
+  SimulatedDrive drive = standingDrive();
   EXPECT_TRUE(drive.localizer().initializeGlobally());
   drive.drive(4.0, [](const Observation&) {});
   EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized)
