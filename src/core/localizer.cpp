@@ -216,7 +216,6 @@ void Localizer::weigh(ScanTask* task) {
   const bool was_converging = filter_.converging();
   filter_.predict(task->motion);
   task->recovered = task->recover && filter_.reconsider(map_.get(), task->beams);
-  if (task->recovered) second_opinion_.drop();
   const Pose2& predicted = task->predicted.base_in_map;
   task->result.update = filter_.update(
       map_.get(), task->reject_short ? withoutShortReturns(map_.get(), predicted, task->beams,
