@@ -48,6 +48,39 @@ double wayRoundBox(double bearing, double aspect) {
   return std::copysign(way, bearing);
 }
 
+/// The other way about: the bearing whose end point lies so far round the box.
+double bearingRoundBox(double way, double aspect) {
+  const double far = std::abs(way);
+  double turn;
+  if (far <= 1.0) {
+    turn = std::atan2(far, aspect);
+  } else if (far < 1.0 + 2.0 * aspect) {
+    turn = std::atan2(1.0, 1.0 + aspect - far);
+  } else {
+    turn = std::atan2(2.0 + 2.0 * aspect - far, -aspect);
+  }
+  return std::copysign(turn, way);
+}
+
+struct Beam {
+  double bearing;  ///< rad, from the car's x axis
+  Eigen::Index index;
+};
+
+/// The beams that can be weighed, in the order of their bearings from the car's x axis.
+std::vector<Beam> usableBeamsAboutCar(const Scan& scan, double field_of_view) {
+  std::vector<Beam> beams;
+  for (const Eigen::Index i : usableBeams(scan, field_of_view)) {
+    beams.push_back({wrapAngle(static_cast<double>(scan.bearings[i]) + scan.laser_in_base.yaw), i});
+  }
+  const auto by_bearing = [](const Beam& a, const Beam& b) { return a.bearing < b.bearing; };
+  // Most lidars list them so.
+  if (!std::is_sorted(beams.begin(), beams.end(), by_bearing)) {
+    std::stable_sort(beams.begin(), beams.end(), by_bearing);
+  }
+  return beams;
+}
+
 }  // namespace
 
 Scan takeBeams(const Scan& scan, const std::vector<Eigen::Index>& chosen) {
@@ -81,27 +114,22 @@ Scan selectBeams(const Scan& scan, int count, double field_of_view) {
 }
 
 Scan selectBeamsBoxed(const Scan& scan, int count, double field_of_view, double aspect) {
-  std::vector<Eigen::Index> usable = usableBeams(scan, field_of_view);
-  std::stable_sort(usable.begin(), usable.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return scan.bearings[a] < scan.bearings[b];
-  });
-  std::vector<double> way;
-  way.reserve(usable.size());
-  for (const Eigen::Index i : usable) {
-    way.push_back(wayRoundBox(static_cast<double>(scan.bearings[i]), aspect));
-  }
-
+  const std::vector<Beam> usable = usableBeamsAboutCar(scan, field_of_view);
   std::vector<Eigen::Index> chosen(
       std::min(static_cast<std::size_t>(std::max(count, 0)), usable.size()));
+  if (chosen.empty()) return takeBeams(scan, chosen);
+  const double first = wayRoundBox(usable.front().bearing, aspect);
+  const double whole = wayRoundBox(usable.back().bearing, aspect) - first;
   std::size_t next = 0;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const double share =
         chosen.size() == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(chosen.size() - 1);
-    const double target = way.front() + share * (way.back() - way.front());
+    const double target = bearingRoundBox(first + share * whole, aspect);
+    const auto miss = [&](std::size_t i) { return std::abs(usable[i].bearing - target); };
     // The nearest that leaves enough beams for those still to be chosen: none is taken twice.
     const std::size_t last = usable.size() - (chosen.size() - k);
-    while (next < last && std::abs(way[next + 1] - target) <= std::abs(way[next] - target)) ++next;
-    chosen[k] = usable[next++];
+    while (next < last && miss(next + 1) <= miss(next)) ++next;
+    chosen[k] = usable[next++].index;
   }
   return takeBeams(scan, chosen);
 }

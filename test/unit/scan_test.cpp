@@ -134,6 +134,7 @@ TEST(SelectBeamsBoxed, SpacesEndPointsEvenlyOnTheWallsOfACorridor) {
   // A Hokuyo's 1081 beams over 270 degrees; a corridor of 2 m by 6 m.
   Scan scan = fan(1081);
   scan.bearings *= 0.25f;
+  scan.laser_in_base.yaw = 0.0;
   const Scan chosen = selectBeamsBoxed(scan, 60, 2 * kPi, 3.0);
   ASSERT_EQ(chosen.size(), 60);
   std::vector<double> way;
@@ -153,6 +154,22 @@ TEST(SelectBeamsBoxed, LooksFartherAheadTheLongerTheBox) {
   };
   EXPECT_LT(ahead(0.5), ahead(1.0));
   EXPECT_LT(ahead(1.0), ahead(4.0));
+}
+
+TEST(SelectBeamsBoxed, LaysTheBoxAlongTheCarHoweverTheLidarIsMounted) {
+  for (const double mounted : {0.5 * kPi, -2.0, kPi}) {
+    Scan scan = fan(361);  // all round
+    scan.laser_in_base = {0.1, 0.0, mounted};
+    const Scan chosen = selectBeamsBoxed(scan, 60, 2 * kPi, 4.0);
+    ASSERT_EQ(chosen.size(), 60);
+    int ahead = 0, beside = 0;
+    for (Eigen::Index k = 0; k < chosen.size(); ++k) {
+      const double bearing = wrapAngle(static_cast<double>(chosen.bearings[k]) + mounted);
+      if (std::abs(bearing) < 0.3) ++ahead;
+      if (std::abs(bearing - 0.5 * kPi) < 0.3) ++beside;
+    }
+    EXPECT_GT(ahead, 3 * beside) << mounted;
+  }
 }
 
 TEST(SelectBeamsBoxed, TakesNoneTwiceAndAllWhereFewAreThere) {
