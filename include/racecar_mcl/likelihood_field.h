@@ -15,7 +15,7 @@ struct LikelihoodFieldParameters {
   double field_sigma = 0.045;     ///< m, distance from an obstacle at which a beam counts half
   double field_rand = 0.1;        ///< share of beams that end anywhere, in (0, 1)
   double field_max_range = 30.0;  ///< m, longer beams and those without a return are not weighed
-  double field_squash = 5.5;      ///< a particle's weight is the product of its beams to the power
+  double field_squash = 6.5;      ///< a particle's weight is the product of its beams to the power
                                   ///< 1 / this
   double field_inside = 0.1;  ///< what a metre behind the surface of a thick wall (0.45 m and more)
                               ///< counts against one in front of it, in [0, 1]

@@ -32,10 +32,10 @@ struct LocalizerParameters {
   OdometryCalibrationParameters calibration;
   bool noise_adaptation = true;  ///< more motion noise while scans contradict the odometry
   VerdictParameters verdict;
-  int num_beams_per_particle = 150;
+  int num_beams_per_particle = 240;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
-  BeamLayout beam_layout = BeamLayout::kEven;
-  double beam_box_aspect = 3.0;  ///< length by width of the corridor of a boxed layout
+  BeamLayout beam_layout = BeamLayout::kBoxed;
+  double beam_box_aspect = 2.0;  ///< length by width of the corridor of a boxed layout
   int min_beams = 10;            ///< a scan with fewer valid beams is not used
   bool deskew = true;            ///< correct for the car's motion during the sweep
   bool global_search = true;     ///< a global start begins where the first scan fits, not evenly

@@ -52,6 +52,7 @@ TEST_F(LocalizerTest, FollowsTheCarByItsDefaults) {
 TEST_F(LocalizerTest, ChoosesBeamsByTheLayout) {
   LocalizerParameters parameters = fewBeams();
   const Scan scan = scanAt(start_);
+  parameters.beam_layout = BeamLayout::kEven;
   const Scan even = chooseBeams(parameters, scan);
   parameters.beam_layout = BeamLayout::kBoxed;
   const Scan boxed = chooseBeams(parameters, scan);

@@ -19,6 +19,7 @@ class ShortReturnsTest : public LocalizerTest {
   /// Beams weighed of the scan after a drive of 1 s in which nothing was in the way.
   ScanResult meet(int beams, bool reject) const {
     LocalizerParameters parameters = fewBeams();
+    parameters.beam_layout = BeamLayout::kEven;
     parameters.reject_short_returns = reject;
     Localizer localizer = started(parameters);
     drive(&localizer, 0.0, 1.0, [&](const ScanResult& result) {

@@ -84,9 +84,9 @@ class ErrorAgainst:
     # name, axis, sets of constants, values
     SWEEPS = (
         ("num_particles", "particles", CONFIGS, (25, 50, 100, 200, 500, 1000)),
-        ("num_beams_per_particle", "beams", CONFIGS, (10, 25, 50, 100, 150, 300)),
+        ("num_beams_per_particle", "beams", CONFIGS, (10, 25, 50, 100, 240, 480)),
         ("squash_factor", "squash_factor (beam model)", (REPORT,), (1.0, 2.2, 4.0, 8.0, 16.0)),
-        ("field_squash", "field_squash (likelihood field)", (DEFAULT,), (1.0, 2.2, 5.5, 12.0, 25.0)),
+        ("field_squash", "field_squash (likelihood field)", (DEFAULT,), (1.0, 2.5, 6.5, 12.0, 25.0)),
         ("sigma_hit", "sigma_hit (pixels, beam model)", (REPORT,), (1.0, 2.0, 4.0, 8.0, 16.0)),
         ("field_sigma", "field_sigma (m, likelihood field)", (DEFAULT,), (0.01, 0.02, 0.045, 0.1, 0.2)))
 
@@ -150,7 +150,7 @@ class WhatItBuys:
         ("odometry not calibrated", DEFAULT, ("calibration_distance:=0",)),
         ("each scan at once", DEFAULT, ("min_effective_particles:=0",)),
         ("100 beams", DEFAULT, ("num_beams_per_particle:=100",)),
-        ("beams boxed", DEFAULT, ("beam_layout:=boxed",)),
+        ("beams even", DEFAULT, ("beam_layout:=even",)),
         ("short returns left out", DEFAULT, ("reject_short_returns:=true",)),
         ("resampling at every scan", DEFAULT, ("resample_threshold:=1.0",)),
         ("best particle", DEFAULT, ("estimate:=best",)),
