@@ -15,6 +15,7 @@
 #include "racecar_mcl/particle_filter.h"
 #include "racecar_mcl/scan.h"
 #include "racecar_mcl/second_opinion.h"
+#include "racecar_mcl/sweep_order.h"
 #include "racecar_mcl/verdict.h"
 
 namespace racecar_mcl {
@@ -38,9 +39,10 @@ struct LocalizerParameters {
   double beam_box_aspect = 2.0;  ///< length by width of the corridor of a boxed layout
   int min_beams = 10;            ///< a scan with fewer valid beams is not used
   bool deskew = true;            ///< correct for the car's motion during the sweep
-  bool global_search = true;     ///< a global start begins where the first scan fits, not evenly
-  bool second_opinion = true;    ///< believe a search of the map when a second one agrees
-  bool recovery = true;          ///< search the map again when scans are explained badly
+  SweepOrderFrom sweep_order = SweepOrderFrom::kLearned;  ///< in which the beams were taken
+  bool global_search = true;   ///< a global start begins where the first scan fits, not evenly
+  bool second_opinion = true;  ///< believe a search of the map when a second one agrees
+  bool recovery = true;        ///< search the map again when scans are explained badly
   bool reject_short_returns = false;  ///< leave out beams that something unmapped stopped, while
                                       ///< localized
   int parked_updates =
@@ -103,11 +105,13 @@ class Localizer {
   /// in by `commitScan`.
   struct ScanTask {
     ScanResult result;
-    Scan beams;              ///< chosen and deskewed
-    Motion motion;           ///< since the scan before
-    PoseEstimate predicted;  ///< at the scan's stamp, by odometry alone
-    Pose2 correction;        ///< where the scan put the car, seen from `predicted`
-    ScanFit fit;             ///< from the estimate
+    Scan beams;                    ///< chosen and deskewed
+    std::optional<Scan> mirrored;  ///< the same, had they been taken the other way about
+    Motion motion;                 ///< since the scan before
+    PoseEstimate predicted;        ///< at the scan's stamp, by odometry alone
+    Pose2 correction;              ///< where the scan put the car, seen from `predicted`
+    ScanFit fit;                   ///< from the estimate
+    double order_log_odds = 0.0;   ///< of `beams` against `mirrored`, from the estimate
     bool weigh = false;
     bool reject_short = false;  ///< leave short returns out of the weighing
     bool search = false;        ///< start where the scan fits
@@ -159,6 +163,8 @@ class Localizer {
   std::optional<PoseEstimate> estimateAt(double stamp) const;
   /// The newest stamp of a scan or odometry message; none before the first.
   std::optional<double> newestStamp() const;
+  /// The order in which the lidar takes its beams, as far as it is known.
+  const SweepOrder& sweepOrder() const { return sweep_order_; }
   /// The newest odometry twist; zero before the first.
   Twist2 twist() const { return odometry_.empty() ? Twist2{} : odometry_.newestTwist(); }
 
@@ -183,6 +189,7 @@ class Localizer {
     return odometry_.at(stamp + calibration_.delay());
   }
   ScanOutcome admit(const Scan& scan);
+  void straighten(const OdometryState& at_stamp, ScanTask* task) const;
   bool wantsRecovery(double stamp);
   void weigh(ScanTask* task);
   void seekSecondOpinion(bool was_converging, ScanTask* task);
@@ -195,6 +202,7 @@ class Localizer {
   OdometryHistory odometry_;
   OdometryCalibration calibration_;
   OdometryDoubt doubt_;
+  SweepOrder sweep_order_;
   std::shared_ptr<MapModel> map_;
   std::optional<Anchor> anchor_;
   std::optional<double> last_scan_stamp_;

@@ -44,6 +44,11 @@ class Run:
     errors: Optional[object] = None      # Errors, where there is a truth
 
     @property
+    def beam_order(self):
+        """1 where beams were taken in the order in which scans list them, -1 where in reverse."""
+        return -1 if self.summary and self.summary.get("sweep_order") == "reversed" else 1
+
+    @property
     def start(self):
         """ns, what all times in figures count from."""
         return self.trajectory.stamps[0]

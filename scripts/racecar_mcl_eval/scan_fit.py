@@ -38,7 +38,7 @@ def measure(run, grid_map, bags, scan_topic, base_frame, laser_pose, max_gap):
         for scan in scans:
             if len(scan.points) == 0:
                 continue
-            times = np.clip(scan.stamp + scan.times, *run.trajectory.stamps[[0, -1]])
+            times = np.clip(scan.stamp + run.beam_order * scan.times, *run.trajectory.stamps[[0, -1]])
             poses, there = poses_at(run.trajectory, times, max_gap)
             inside = run.trajectory.stamps[0] <= scan.stamp <= run.trajectory.stamps[-1]
             if not (inside and there.all()):

@@ -74,12 +74,14 @@ class Learner {
   void add(const Scan& scan, Nanoseconds stamp) {
     const std::optional<Pose2> base = poseAt(trajectory_, stamp, max_gap_);
     if (!base || !isNews(*base)) return;
-    Scan beams =
-        selectBeams(scan, parameters_.num_beams_per_particle, parameters_.scan_field_of_view);
+    Scan beams = SweepOrder(parameters_.sweep_order)
+                     .inOrderTaken(selectBeams(scan, parameters_.num_beams_per_particle,
+                                               parameters_.scan_field_of_view));
     if (beams.size() == 0) return;
     if (parameters_.deskew) {
+      const auto first = static_cast<double>(beams.seconds_after_stamp.minCoeff());
       const auto last = static_cast<double>(beams.seconds_after_stamp.maxCoeff());
-      if (!poseAfter(stamp, last)) return;
+      if (!poseAfter(stamp, first) || !poseAfter(stamp, last)) return;
       beams = deskew(beams, [&](double seconds) {
         return between(*base, poseAfter(stamp, seconds).value_or(*base));
       });

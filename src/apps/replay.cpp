@@ -230,7 +230,8 @@ void replay(const Options& o) {
   }
   const std::optional<TrajectoryErrors> errors = errorsOf(record.trajectory, truth, o.max_gap);
 
-  const RunDescription description{parameters, o.seed, RACECAR_MCL_VERSION, localizer.counters()};
+  const RunDescription description{parameters, o.seed, RACECAR_MCL_VERSION, localizer.counters(),
+                                   localizer.sweepOrder().word()};
   writeOutputs(o.out, record, summaryJson(record, description, errors));
   if (video) video->finish();
   if (!o.particles.empty()) writeFile(o.particles, particles.csv());

@@ -59,6 +59,7 @@ Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
       filter_(parameters.filter, parameters.motion, seed),
       odometry_(parameters.odometry),
       calibration_(parameters.calibration),
+      sweep_order_(parameters.sweep_order),
       second_opinion_(parameters.filter, parameters.motion, seed + 1),
       judge_(parameters.verdict) {}
 
@@ -161,12 +162,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   const OdometryState odometry = odometryAt(scan.stamp);
   task.motion = calibration_.correct(motionBetween(anchor_->odometry, odometry));
   if (parameters_.noise_adaptation) task.motion.noise_factor = doubt_.noiseFactor();
-  if (parameters_.deskew && task.beams.seconds_after_stamp.maxCoeff() > 0.0f) {
-    const Pose2 odom_in_base = inverse(odometry.base_in_odom);
-    task.beams = deskew(task.beams, [&](double seconds) {
-      return compose(odom_in_base, odometryAt(scan.stamp + seconds).base_in_odom);
-    });
-  }
+  if (parameters_.deskew) straighten(odometry, &task);
   // Silent odometry is no sign that the car stands.
   const bool heard = !odometry_.empty() &&
                      scan.stamp - odometry_.newestStamp() <= parameters_.odometry.max_odometry_gap;
@@ -183,6 +179,21 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   if (!task.weigh) task.result.outcome = ScanOutcome::kParked;
   last_scan_stamp_ = scan.stamp;
   return task;
+}
+
+void Localizer::straighten(const OdometryState& at_stamp, ScanTask* task) const {
+  if ((task->beams.seconds_after_stamp == 0.0f).all()) return;  // all at once
+  const Scan sweep = sweep_order_.inOrderTaken(std::move(task->beams));
+  const Pose2 odom_in_base = inverse(at_stamp.base_in_odom);
+  const auto base_after = [&](double seconds) {
+    return compose(odom_in_base, odometryAt(sweep.stamp + seconds).base_in_odom);
+  };
+  const auto first = static_cast<double>(sweep.seconds_after_stamp.minCoeff());
+  const auto last = static_cast<double>(sweep.seconds_after_stamp.maxCoeff());
+  if (sweep_order_.wantsToCompare(between(base_after(first), base_after(last)))) {
+    task->mirrored = deskew(mirroredInTime(sweep), base_after);
+  }
+  task->beams = deskew(sweep, base_after);
 }
 
 bool Localizer::wantsRecovery(double stamp) {
@@ -209,6 +220,9 @@ void Localizer::processScan(ScanTask* task) {
   const Pose2& estimated = update.estimate.base_in_map;
   task->correction = between(predicted, estimated);
   task->fit = fitScan(map_.get(), estimated, task->beams);
+  if (task->mirrored) {
+    task->order_log_odds = logOdds(map_->search.field(), estimated, task->beams, *task->mirrored);
+  }
   if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;
 }
 
@@ -295,6 +309,7 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   learnDoubt(task);
   if (result.verdict.state == VerdictState::kLocalized) {
     calibration_.learn(task.motion, task.correction);
+    if (task.mirrored) sweep_order_.learn(task.order_log_odds);
   }
   // Asked again, for what was learned of the delay moves it.
   anchor_ = Anchor{result.update.estimate, odometryAt(result.stamp)};

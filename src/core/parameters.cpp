@@ -47,6 +47,10 @@ template <>
 std::vector<std::string> wordsOf<BeamLayout>() {
   return {"even", "boxed"};
 }
+template <>
+std::vector<std::string> wordsOf<SweepOrderFrom>() {
+  return {"learned", "listed", "reversed"};
+}
 
 /// Calls visit(name, field) for every parameter: the one place where names and fields meet.
 template <typename Parameters, typename Visit>
@@ -89,6 +93,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("min_beams", p.min_beams);
   visit("global_search", p.global_search);
   visit("deskew", p.deskew);
+  visit("sweep_order", p.sweep_order);
   visit("reject_short_returns", p.reject_short_returns);
   visit("parked_updates", p.parked_updates);
 

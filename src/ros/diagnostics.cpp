@@ -73,6 +73,7 @@ diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::
   add("recoveries", s.counters.recoveries);
   add("particles", s.particles);
   add("beams", s.beams);
+  add("sweep order", s.sweep_order);
   add("effective sample size", s.effective_sample_size);
   add("position sigma (m)", s.position_sigma);
   add("yaw sigma (rad)", s.yaw_sigma);

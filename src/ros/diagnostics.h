@@ -29,6 +29,7 @@ struct NodeStatus {
   double effective_sample_size = 0.0;
   int particles = 0;
   int beams = 0;
+  std::string sweep_order;      ///< "listed" or "reversed": in which order beams were taken
   double position_sigma = 0.0;  ///< m, the larger axis
   double yaw_sigma = 0.0;       ///< rad
 };

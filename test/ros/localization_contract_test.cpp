@@ -202,6 +202,7 @@ TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
   EXPECT_EQ(status.name, namespace_ + "/localization: localization");
   EXPECT_EQ(listener_.diagnostic("particles"), "300");
   EXPECT_EQ(listener_.diagnostic("beams"), "60");
+  EXPECT_EQ(listener_.diagnostic("sweep order"), "listed");
   EXPECT_GT(std::atof(listener_.diagnostic("effective sample size").c_str()), 1.0);
   EXPECT_GT(std::atof(listener_.diagnostic("position sigma (m)").c_str()), 0.0);
   EXPECT_GT(std::atof(listener_.diagnostic("scan to tf p50 (ms)").c_str()), 0.0);

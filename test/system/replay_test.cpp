@@ -71,10 +71,10 @@ TEST_F(Replay, localizesAndSaysHowWell) {
   std::vector<std::string> keys;
   for (const auto& item : all.items()) keys.push_back(item.key());
   const std::vector<std::string> expected{
-      "duration_s",        "heading_error_deg", "num_beams",    "num_particles",
-      "odometry_seen",     "position_error_m",  "range_method", "real_time_factor",
-      "scans_seen",        "scans_used",        "seed",         "truth_stamps_skipped",
-      "truth_stamps_used", "update_ms",         "version"};
+      "duration_s",           "heading_error_deg", "num_beams",    "num_particles",
+      "odometry_seen",        "position_error_m",  "range_method", "real_time_factor",
+      "scans_seen",           "scans_used",        "seed",         "sweep_order",
+      "truth_stamps_skipped", "truth_stamps_used", "update_ms",    "version"};
   EXPECT_EQ(keys, expected);
   for (const char* key : {"mean", "median", "p95", "max", "rmse", "final"}) {
     EXPECT_TRUE(all["position_error_m"][key].is_number()) << key;

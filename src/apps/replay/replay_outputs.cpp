@@ -64,6 +64,7 @@ std::string summaryJson(const ReplayRecord& record, const RunDescription& descri
   json["num_particles"] = description.parameters.filter.num_particles;
   json["num_beams"] = description.parameters.num_beams_per_particle;
   json["range_method"] = description.parameters.sensor.caster.range_method;
+  json["sweep_order"] = description.sweep_order;
   json["seed"] = description.seed;
   json["version"] = description.version;
   return json.dump(2) + "\n";

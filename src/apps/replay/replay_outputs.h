@@ -17,6 +17,7 @@ struct RunDescription {
   std::uint64_t seed = 0;
   std::string version;
   LocalizerCounters counters;
+  std::string sweep_order;  ///< "listed" or "reversed", as known at the end
 };
 
 /// The summary as JSON text; errors are in it where there was a truth.

@@ -38,9 +38,12 @@ bool openWriter(const std::string& path, double rate, cv::Size size, cv::VideoWr
 }
 
 /// The end points of all returns in the map frame. The car moves on during a sweep.
-std::vector<cv::Point2d> endPoints(const Scan& scan, const Localizer& localizer) {
+std::vector<cv::Point2d> endPoints(const Scan& listed, const Localizer& localizer) {
+  const Scan scan = localizer.sweepOrder().inOrderTaken(listed);
   std::vector<cv::Point2d> points;
-  const double duration = static_cast<double>(scan.seconds_after_stamp.maxCoeff());
+  // The farther end of the sweep, before the stamp where beams are listed in reverse.
+  const double duration = static_cast<double>(scan.seconds_after_stamp.minCoeff() +
+                                              scan.seconds_after_stamp.maxCoeff());
   const std::optional<PoseEstimate> first = localizer.estimateAt(scan.stamp);
   const std::optional<PoseEstimate> last = localizer.estimateAt(scan.stamp + duration);
   if (!first || !last) return points;
@@ -48,7 +51,7 @@ std::vector<cv::Point2d> endPoints(const Scan& scan, const Localizer& localizer)
     const double range = static_cast<double>(scan.ranges[i]);
     if (!std::isfinite(range)) continue;
     const double share =
-        duration > 0.0 ? static_cast<double>(scan.seconds_after_stamp[i]) / duration : 0.0;
+        duration != 0.0 ? static_cast<double>(scan.seconds_after_stamp[i]) / duration : 0.0;
     const Pose2 base = interpolate(first->base_in_map, last->base_in_map, share);
     const double bearing = static_cast<double>(scan.bearings[i]);
     const Pose2 end = compose(compose(base, scan.laser_in_base),

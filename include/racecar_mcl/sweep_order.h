@@ -1,0 +1,54 @@
+// Learns whether a lidar lists the beams of its sweeps in the order in which it took them.
+//
+// A LaserScan lists its beams counter-clockwise and gives one time between each and the next. A
+// lidar that turns clockwise has to list them against the order in which it took them, and its
+// driver rarely says so. Straightened by such times a sweep comes out bent twice as much as before.
+// Which of the two orders makes a sweep lie better on the map shows whenever the car turns.
+#pragma once
+
+#include "racecar_mcl/likelihood_field.h"
+#include "racecar_mcl/pose.h"
+#include "racecar_mcl/scan.h"
+
+namespace racecar_mcl {
+
+enum class SweepOrderFrom {
+  kLearned,   ///< from the map
+  kListed,    ///< beams were taken in the order in which they are listed
+  kReversed,  ///< the first beam of the list, at the scan's stamp, was taken last
+};
+
+/// The scan with its beams taken the other way about, between the same two times.
+Scan mirroredInTime(Scan scan);
+
+/// The log-likelihood of the one scan less that of the other, both from the car at this pose.
+double logOdds(const LikelihoodField& field, const Pose2& base_in_map, const Scan& one,
+               const Scan& other);
+
+class SweepOrder {
+ public:
+  explicit SweepOrder(SweepOrderFrom from = SweepOrderFrom::kLearned)
+      : from_(from), reversed_(from == SweepOrderFrom::kReversed) {}
+
+  bool reversed() const { return reversed_; }
+  /// For logs and diagnostics.
+  const char* word() const { return reversed_ ? "reversed" : "listed"; }
+
+  /// The scan with the times at which its beams were taken. A list in reverse order is one whose
+  /// time between beams has the wrong sign: it begins at the stamp and goes back from there.
+  Scan inOrderTaken(Scan scan) const;
+
+  /// Whether a sweep during which the car moved so is to be compared with its mirror image: it is
+  /// bent enough, and the order is not certain yet.
+  bool wantsToCompare(const Pose2& motion_during_sweep) const;
+
+  /// `log_odds`: of a sweep straightened in the order of now against its mirror image.
+  void learn(double log_odds);
+
+ private:
+  SweepOrderFrom from_;
+  bool reversed_;
+  double certainty_ = 0.0;  ///< log odds of the order of now against the other, from few to many
+};
+
+}  // namespace racecar_mcl
