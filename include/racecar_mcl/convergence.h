@@ -15,8 +15,8 @@
 namespace racecar_mcl {
 
 /// The share of a scan, in (0, 1], that the last one did not tell: all of it after `news_distance`
-/// (m) driven or a turn of 1 rad per 0.5 m of it. A car that stands still learns a little: its
-/// lidar's noise averages out.
+/// (m; 0 = always all of it) driven or a turn of 1 rad per 0.5 m of it. A car that stands still
+/// learns a little: its lidar's noise averages out.
 double newsAfter(const Motion& motion, double news_distance);
 
 /// The place where all but a ten-thousandth of the weight is, if that is a place: a cluster not

@@ -31,7 +31,10 @@ struct LocalizerParameters {
   SensorParameters sensor;
   OdometryParameters odometry;
   OdometryCalibrationParameters calibration;
-  bool noise_adaptation = true;  ///< more motion noise while scans contradict the odometry
+  double map_error_distance = 2.5;  ///< m; scans closer together than this times the share of
+                                    ///< beams that the map fails to explain err alike and count in
+                                    ///< part
+  bool noise_adaptation = true;     ///< more motion noise while scans contradict the odometry
   VerdictParameters verdict;
   int num_beams_per_particle = 240;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
@@ -111,6 +114,7 @@ class Localizer {
     PoseEstimate predicted;        ///< at the scan's stamp, by odometry alone
     Pose2 correction;              ///< where the scan put the car, seen from `predicted`
     ScanFit fit;                   ///< from the estimate
+    double repeat_distance = 0.0;  ///< m; scans closer together than that err alike
     double order_log_odds = 0.0;   ///< of `beams` against `mirrored`, from the estimate
     bool weigh = false;
     bool reject_short = false;  ///< leave short returns out of the weighing

@@ -87,10 +87,12 @@ class ParticleFilter {
   /// Moves the set by the car's motion.
   void predict(const Motion& motion);
 
-  /// Weighs the set by a scan whose beams were all taken from where the particles are. Throws
-  /// std::logic_error before a start. What it returns is valid until the next update. Once
-  /// the set has settled on a place and on its size, an update allocates nothing.
-  const UpdateResult& update(MapModel* map, const Scan& beams);
+  /// Weighs the set by a scan whose beams were all taken from where the particles are. Once the set
+  /// has settled, scans closer together than `repeat_distance` (m) err alike, and each counts by
+  /// what is news in it. Throws std::logic_error before a start. What it returns is valid until
+  /// the next update. Once the set has settled on a place and on its size, an update allocates
+  /// nothing.
+  const UpdateResult& update(MapModel* map, const Scan& beams, double repeat_distance = 0.0);
 
   const ParticleSet& particles() const { return particles_; }
   /// Of the set as it stands now. Throws std::logic_error before a start.
@@ -102,7 +104,10 @@ class ParticleFilter {
   /// The result of a start, of which a scan has said nothing yet.
   const UpdateResult& reportStart(const Scan& beams);
   void requireStart() const;
-  /// The log-likelihood of a scan for each particle, tempered while the set converges.
+  /// The share of the scan that the last one did not tell.
+  double news() const;
+  /// The log-likelihood of what is news in a scan for each particle, tempered while the set
+  /// converges.
   Eigen::ArrayXd& weigh(MapModel* map, const Scan& beams);
   /// Weighs and resamples the set by parts of a scan until what is left of it leaves enough
   /// effective particles (an annealed particle filter). In: the scan's log likelihoods, in the
@@ -124,8 +129,10 @@ class ParticleFilter {
   Random random_;
   ParticleSet particles_;
   int settling_updates_left_ = 0;
+  std::int64_t updates_since_start_ = 0;
   bool converging_ = false;
-  double news_ = 1.0;  ///< share of the next scan that is news
+  Motion last_motion_;            ///< since the scan before
+  double repeat_distance_ = 0.0;  ///< m, of the scan that is weighed
   // Kept from update to update, so that tracking allocates nothing.
   UpdateResult result_;
   ScanWeigher weigher_;

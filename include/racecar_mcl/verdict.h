@@ -70,6 +70,8 @@ class Judge {
   void acceptAsUsual();
 
   const Verdict& verdict() const { return verdict_; }
+  /// The share of explained beams that is usual, also across starts.
+  double usual() const { return usual_; }
   /// For how long, s, scans were explained worse than usual by an estimate that had settled.
   double doubtfulFor() const { return doubtful_since_ ? last_stamp_ - *doubtful_since_ : 0.0; }
   /// And how many scans that were.

@@ -19,6 +19,7 @@ constexpr double kNearYaw = 0.5;        // rad
 }  // namespace
 
 double newsAfter(const Motion& motion, double news_distance) {
+  if (news_distance <= 0.0) return 1.0;
   const double travelled = motion.distance + kMetresPerRadian * motion.rotation;
   return std::min(1.0, std::max(kNewsOfStanding, travelled / news_distance));
 }

@@ -22,6 +22,10 @@ constexpr int kDoubtfulScans = 6;
 constexpr double kShortestPause = 0.5;  // s
 constexpr double kLongestPause = 16.0;  // s
 
+// A map that explains this share of the beams, or more, is as good as maps are: the rest grazed
+// edges.
+constexpr double kGoodMap = 0.95;
+
 bool isParked(const Motion& motion) {
   return motion.distance < kParkedDistance && motion.rotation < kParkedRotation;
 }
@@ -170,6 +174,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   const bool doubtful = judge_.doubtfulFor() > 0.0;
   scans_since_stop_ = heard && !doubtful && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
   task.predicted = carryForward(anchor_->estimate, task.motion.delta, Eigen::Matrix3d::Zero());
+  task.repeat_distance = parameters_.map_error_distance * std::max(0.0, kGoodMap - judge_.usual());
   task.search = search_pending_;
   task.recover = !task.search && wantsRecovery(scan.stamp);
   task.weigh = task.search || scans_since_stop_ <= parameters_.parked_updates;
@@ -232,9 +237,11 @@ void Localizer::weigh(ScanTask* task) {
   task->recovered = task->recover && filter_.reconsider(map_.get(), task->beams);
   const Pose2& predicted = task->predicted.base_in_map;
   task->result.update = filter_.update(
-      map_.get(), task->reject_short ? withoutShortReturns(map_.get(), predicted, task->beams,
-                                                           parameters_.min_beams)
-                                     : task->beams);
+      map_.get(),
+      task->reject_short
+          ? withoutShortReturns(map_.get(), predicted, task->beams, parameters_.min_beams)
+          : task->beams,
+      task->repeat_distance);
   if (parameters_.second_opinion) seekSecondOpinion(was_converging, task);
 }
 

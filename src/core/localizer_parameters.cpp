@@ -12,6 +12,7 @@ void validate(const LocalizerParameters& p) {
   validate(p.odometry);
   validate(p.calibration);
   validate(p.verdict);
+  requireWithin("map_error_distance", p.map_error_distance, 0.0, 1000.0, "m");
   requireWithin("num_beams_per_particle", p.num_beams_per_particle, 1, 10000);
   require(p.min_beams >= 1 && p.min_beams <= p.num_beams_per_particle, "min_beams", p.min_beams,
           "between 1 and num_beams_per_particle");

@@ -98,6 +98,7 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("parked_updates", p.parked_updates);
 
   visit("sensor_model", p.sensor.sensor_model);
+  visit("map_error_distance", p.map_error_distance);
   visit("field_sigma", p.sensor.field.field_sigma);
   visit("field_rand", p.sensor.field.field_rand);
   visit("field_max_range", p.sensor.field.field_max_range);

@@ -34,6 +34,9 @@ constexpr int kMostSteps = 4;
 constexpr double kMostEffective = 0.5;
 constexpr double kStepKernel = 0.3;
 
+// However little the car has moved, a scan of a settled set counts by this share.
+constexpr double kLeastNews = 0.1;
+
 // No start is farther away or wider than this, m: beyond it, squares lose their digits.
 constexpr double kFarthest = 1e7;
 
@@ -99,6 +102,7 @@ void ParticleFilter::startFrom(ParticleSet particles, bool converging) {
   particles_ = std::move(particles);
   particles_.log_weight.setConstant(-std::log(static_cast<double>(particles_.size())));
   settling_updates_left_ = parameters_.settling_updates;
+  updates_since_start_ = 0;
   converging_ = converging;
 }
 
@@ -154,12 +158,15 @@ bool ParticleFilter::reconsider(MapModel* map, const Scan& beams) {
 }
 
 void ParticleFilter::predict(const Motion& motion) {
-  news_ = newsAfter(motion, parameters_.news_distance);
+  last_motion_ = motion;
   moveParticles(motion_parameters_, motion, random_, &particles_);
 }
 
-const UpdateResult& ParticleFilter::update(MapModel* map, const Scan& beams) {
+const UpdateResult& ParticleFilter::update(MapModel* map, const Scan& beams,
+                                           double repeat_distance) {
   requireStart();
+  repeat_distance_ = repeat_distance;
+  ++updates_since_start_;
   result_.resampled = false;
   Eigen::ArrayXd& log_weights = weigh(map, beams);
   const double log_likelihood_of_steps = anneal(map, beams, &log_weights, &result_.resampled);
@@ -193,10 +200,19 @@ void ParticleFilter::reportSet(const Scan& beams) {
   result_.estimate = estimateFrom(result_.clusters);
 }
 
+double ParticleFilter::news() const {
+  if (converging_) return newsAfter(last_motion_, parameters_.news_distance);
+  // After a start little is known that a scan could repeat.
+  if (updates_since_start_ <= parameters_.settling_updates) return 1.0;
+  return std::max(kLeastNews, newsAfter(last_motion_, repeat_distance_));
+}
+
 Eigen::ArrayXd& ParticleFilter::weigh(MapModel* map, const Scan& beams) {
-  if (!converging_) return weigher_.weigh(map, particles_, beams);
-  Eigen::ArrayXd& log_likelihoods = weigher_.weigh(map->search.field(), particles_, beams);
-  log_likelihoods *= news_;
+  Eigen::ArrayXd& log_likelihoods = converging_
+                                        ? weigher_.weigh(map->search.field(), particles_, beams)
+                                        : weigher_.weigh(map, particles_, beams);
+  if (news() < 1.0) log_likelihoods *= news();
+  if (!converging_) return log_likelihoods;
   const double survivors = kConvergingSurvivors * static_cast<double>(particles_.size());
   log_likelihoods *= temperingExponent(particles_.log_weight, log_likelihoods, survivors);
   return log_likelihoods;

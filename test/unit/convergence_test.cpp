@@ -41,6 +41,11 @@ TEST(NewsAfter, GrowsWithTheWayDrivenUpToAWholeScan) {
   EXPECT_EQ(newsAfter(driven(20.0), 0.5), 1.0);
 }
 
+TEST(NewsAfter, IsAWholeScanWhereNoneRepeatsAnother) {
+  EXPECT_EQ(newsAfter(driven(0.0), 0.0), 1.0);
+  EXPECT_EQ(newsAfter(driven(0.1), 0.0), 1.0);
+}
+
 TEST(NewsAfter, IsLittleButNotNothingWhereTheCarStands) {
   EXPECT_GT(newsAfter(driven(0.0), 0.5), 0.0);
   EXPECT_LT(newsAfter(driven(0.0), 0.5), 0.1);

@@ -68,6 +68,29 @@ TEST_F(LocalizerTest, ChoosesBeamsByTheLayout) {
   EXPECT_LT(worst, 0.15);
 }
 
+TEST_F(LocalizerTest, ScansRepeatEachOtherTheLongerTheLessTheMapExplains) {
+  LocalizerParameters parameters = fewBeams();
+  Localizer localizer = started(parameters);
+  const double at_first = localizer.prepareScan(scanAt(start_ + 0.001)).repeat_distance;
+  EXPECT_EQ(at_first, 0.0);
+  for (int i = 1; i <= 1200; ++i) {  // 36 m
+    const double stamp = start_ + i * kOdometryPeriod;
+    localizer.addOdometry(odometryAt(stamp));
+    Scan scan = scanAt(stamp);
+    scan.ranges.segment(70, 27) =
+        scan.ranges.segment(70, 27).min(0.7f);  // 15 % see a thing unmapped
+    localizer.addScan(scan);
+  }
+  EXPECT_NEAR(localizer.verdict().usually, 0.82, 0.05);
+  const Scan next = scanAt(start_ + 24.01);
+  const double later = localizer.prepareScan(next).repeat_distance;
+  EXPECT_NEAR(later, parameters.map_error_distance * (0.95 - localizer.verdict().usually), 1e-3);
+
+  parameters.map_error_distance = 0.0;
+  Localizer trusting = started(parameters);
+  EXPECT_EQ(trusting.prepareScan(next).repeat_distance, 0.0);
+}
+
 TEST_F(LocalizerTest, OneSeedGivesOneRunBitForBit) {
   const auto run = [&](std::uint64_t seed) {
     Localizer localizer = started(fewBeams(), seed);

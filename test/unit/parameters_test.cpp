@@ -177,8 +177,8 @@ TEST(Parameters, EveryOneChangesOnlyItself) {
     Texts expected = parameterTexts(LocalizerParameters{});
     bool changed = false;
     for (const char* other :
-         {"0.625", "77", "true", "false", "best", "constant", "multinomial", "occupied", "even", "listed",
-          "pose", "beam", "likelihood_field", "bresenham"}) {
+         {"0.625", "77", "true", "false", "best", "constant", "multinomial", "occupied", "even",
+          "listed", "pose", "beam", "likelihood_field", "bresenham"}) {
       LocalizerParameters parameters;
       try {
         setParameter(name, other, &parameters);

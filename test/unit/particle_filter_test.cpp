@@ -88,6 +88,34 @@ TEST(ParticleFilter, ReportsWhatAnUpdateDid) {
               1e-12);
 }
 
+TEST(ParticleFilter, AScanThatRepeatsTheLastCountsInPart) {
+  const std::shared_ptr<MapModel> map = room();
+  const Scan scan = scanFrom(*map, kTruth);
+  /// Log odds of the best particle against the worst after a second scan 0.1 m further on.
+  const auto oddsOfSecondScan = [&](double repeat_distance, int settling_updates) {
+    ParticleFilterParameters parameters = sized(50, 1.0);
+    parameters.resample_threshold = 0.01;
+    parameters.min_effective_particles = 0;
+    parameters.settling_updates = settling_updates;
+    MotionModelParameters still;
+    still.deterministic = true;
+    ParticleFilter filter(parameters, still, 57);
+    filter.initialize(startAt(kTruth, {0.02, 0.02, 0.02}));
+    filter.update(map.get(), scan, repeat_distance);
+    const Eigen::ArrayXd before = filter.particles().log_weight;
+    filter.predict({{}, 0.1, 0.0, 0.0, 1.0});  // there and back
+    EXPECT_FALSE(filter.update(map.get(), scan, repeat_distance).resampled);
+    const Eigen::ArrayXd told = filter.particles().log_weight - before;
+    return told.maxCoeff() - told.minCoeff();
+  };
+  const double whole = oddsOfSecondScan(0.0, 0);
+  EXPECT_GT(whole, 0.1);
+  EXPECT_NEAR(oddsOfSecondScan(0.1, 0), whole, 1e-9);
+  EXPECT_NEAR(oddsOfSecondScan(0.4, 0), 0.25 * whole, 1e-9);
+  EXPECT_NEAR(oddsOfSecondScan(0.4, 1), 0.25 * whole, 1e-9);
+  EXPECT_NEAR(oddsOfSecondScan(0.4, 2), whole, 1e-9) << "the set is still to settle";
+}
+
 TEST(ParticleFilter, ResamplesByTheThreshold) {
   const std::shared_ptr<MapModel> map = room();
   const Scan scan = scanFrom(*map, kTruth);
