@@ -174,7 +174,11 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   const bool doubtful = judge_.doubtfulFor() > 0.0;
   scans_since_stop_ = heard && !doubtful && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
   task.predicted = carryForward(anchor_->estimate, task.motion.delta, Eigen::Matrix3d::Zero());
-  task.repeat_distance = parameters_.map_error_distance * std::max(0.0, kGoodMap - judge_.usual());
+  // What is to confirm a place counts in full.
+  if (!second_opinion_.pending()) {
+    task.repeat_distance =
+        parameters_.map_error_distance * std::max(0.0, kGoodMap - judge_.usual());
+  }
   task.search = search_pending_;
   task.recover = !task.search && wantsRecovery(scan.stamp);
   task.weigh = task.search || scans_since_stop_ <= parameters_.parked_updates;
