@@ -31,7 +31,7 @@ struct LocalizerParameters {
   SensorParameters sensor;
   OdometryParameters odometry;
   OdometryCalibrationParameters calibration;
-  double map_error_distance = 2.5;  ///< m; scans closer together than this times the share of
+  double map_error_distance = 1.5;  ///< m; scans closer together than this times the share of
                                     ///< beams that the map fails to explain err alike and count in
                                     ///< part
   bool noise_adaptation = true;     ///< more motion noise while scans contradict the odometry

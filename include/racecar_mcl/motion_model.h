@@ -34,13 +34,13 @@ struct MotionModelParameters {
 
   // ackermann, what is independent from metre to metre: the spread after a metre does not depend on
   // how often scans come
-  double along_per_metre = 0.02;         ///< m per sqrt(m), along the car
+  double along_per_metre = 0.01;         ///< m per sqrt(m), along the car
   double across_per_metre = 0.012;       ///< m per sqrt(m), sideways
   double yaw_per_metre = 0.04;           ///< rad per sqrt(m)
   double yaw_per_radian = 0.3;           ///< rad per sqrt(rad)
   double position_per_second = 0.009;    ///< m per sqrt(s), while moving
   double yaw_per_second = 0.016;         ///< rad per sqrt(s), while moving
-  double slip_per_acceleration = 0.009;  ///< m per sqrt(m) and m/s^2 sideways; along and sideways
+  double slip_per_acceleration = 0.015;  ///< m per sqrt(m) and m/s^2 sideways; along and sideways
 
   // ackermann, what stays the same between two scans: it counts where scans are far apart
   double scale_error = 0.09;       ///< m per m, of the distance driven
