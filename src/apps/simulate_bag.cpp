@@ -70,6 +70,8 @@ void addOptions(Options* o, CLI::App* app) {
   option("--scan-dropout", lidar.dropout_rate, "share of scans lost");
   option("--max-range", lidar.range_max, "m");
   app->add_flag("--instant-scans", lidar.instant, "all beams at once: no distortion");
+  app->add_flag("--clockwise", lidar.clockwise,
+                "a lidar that turns clockwise, its beams listed against the time");
   option("--glass", lidar.glass.share, "share of the walls that return nothing");
   option("--obstacles", o->scene.obstacles, "unmapped things beside the walls");
   option("--moving-obstacles", o->scene.moving_obstacles, "how many of them walk");

@@ -78,6 +78,7 @@ void visitParameters(Parameters& p, const Visit& visit) {
   visit("scan_rate", lidar.rate);
   visit("scan_beams", lidar.beams);
   visit("instant_scans", lidar.instant);
+  visit("clockwise_scans", lidar.clockwise);
   visit("range_noise", lidar.range_noise);
   visit("missing_rate", lidar.missing_rate);
   visit("scan_dropout", lidar.dropout_rate);

@@ -1,5 +1,6 @@
 #include "sim/lidar.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "racecar_mcl/require.h"
@@ -69,11 +70,17 @@ std::optional<LidarScan> Lidar::measure(const Arc& arc, const World& world,
     const double time = sweep_.stamp + beam * sweep_.time_increment;
     if (time >= arc.end) return std::nullopt;
     const Pose2 laser_in_map = compose(arc.at(time), current_.laser_in_base);
-    const double bearing = sweep_.angle_min + beam * sweep_.angle_increment;
+    const double turned = beam * sweep_.angle_increment;
+    const double bearing =
+        sweep_.angle_min + (current_.clockwise ? current_.field_of_view - turned : turned);
     sweep_.ranges.push_back(measureBeam(laser_in_map, bearing, time, world, obstacles));
     sweep_.arrival = time;
   }
   sweeping_ = false;
+  if (current_.clockwise) {
+    std::reverse(sweep_.ranges.begin(), sweep_.ranges.end());
+    sweep_.stamp = sweep_.arrival;
+  }
   if (random_.uniform() < current_.dropout_rate) return std::nullopt;
   return std::move(sweep_);
 }

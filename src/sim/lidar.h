@@ -19,6 +19,8 @@ struct LidarParameters {
   double field_of_view = 1.5 * kPi;  ///< rad, first to last beam, centred ahead
   double sweep_time = 0.01875;       ///< s, first to last beam: 3/4 of a turn at 40 Hz
   bool instant = false;              ///< all beams at once, as no such lidar does
+  bool clockwise = false;            ///< turns so, and is listed against the time and stamped with
+                                     ///< the first of the list, as by drivers of an RPLIDAR
   double range_noise = 0.01;         ///< m, standard deviation
   double missing_rate = 0.005;       ///< share of beams that return nothing
   double dropout_rate = 0.0;         ///< share of sweeps that never arrive
@@ -34,7 +36,7 @@ struct LidarParameters {
 /// One sweep, as sensor_msgs/LaserScan has it. +infinity: nothing came back; -infinity: too close
 /// to measure.
 struct LidarScan {
-  double stamp = 0.0;    ///< s, of the first beam
+  double stamp = 0.0;    ///< s, of the first beam of the list
   double arrival = 0.0;  ///< s, of the last beam: before that nobody can have it
   double angle_min = 0.0;
   double angle_increment = 0.0;

@@ -12,8 +12,8 @@ import rosunit
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 sys.path.insert(0, str(SCRIPTS))
-from racecar_mcl_eval import EvaluationError, experiments, programs, trajectory  # noqa: E402
-from racecar_mcl_eval.experiments import filter_parts, starts, sweeps, trouble  # noqa: E402
+from racecar_mcl_eval import EvaluationError, experiments, grid_map, programs, trajectory  # noqa: E402
+from racecar_mcl_eval.experiments import filter_parts, imperfect, starts, sweeps, trouble  # noqa: E402
 from racecar_mcl_eval.experiments.workshop import Workshop, seeds_text  # noqa: E402
 
 
@@ -93,6 +93,15 @@ class Measures(unittest.TestCase):
             free = cv2.imread(str(Path(folder) / "twin.png"), cv2.IMREAD_GRAYSCALE) == 254
         columns = numpy.flatnonzero((free != free[::-1, ::-1]).any(axis=0)) * 0.05 - 22.0
         self.assertLess(numpy.abs(numpy.abs(columns) - 19.4).max(), 0.7)
+
+    def testStaleMapDiffersInPatchesOfBothKinds(self):
+        with tempfile.TemporaryDirectory() as folder:
+            stale = grid_map.load_map(imperfect.write_stale_map(Path(folder), imperfect.CORRIDOR))
+        right = grid_map.load_map(imperfect.CORRIDOR)
+        shown, there = (plan.cells == grid_map.OCCUPIED for plan in (stale, right))
+        self.assertGreater((shown & ~there).sum(), 1000)
+        self.assertGreater((there & ~shown).sum(), 500)
+        self.assertGreater((shown & there).sum(), 1000)
 
     def testTableOfTheEquationsIsNormalised(self):
         table = filter_parts.table_by_formula()

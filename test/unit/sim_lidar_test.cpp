@@ -86,6 +86,28 @@ TEST(Lidar, ASweepInMotionIsBentAndDeskewStraightensIt) {
   EXPECT_LT(worstMiss(straight, laser_in_map), 1e-5);
 }
 
+TEST(Lidar, AClockwiseSweepIsListedAgainstTheTime) {
+  LidarParameters parameters = exact();
+  parameters.clockwise = true;
+  const Arc arc = moving({3.0, 3.0, 0.3}, {3.0, 0.0, 2.0});
+  const LidarScan sweep = sweepOnce(parameters, arc);
+  EXPECT_DOUBLE_EQ(sweep.stamp, sweep.arrival);
+  EXPECT_NEAR(sweep.stamp, parameters.sweep_time, 1e-9);
+  EXPECT_GT(sweep.angle_increment, 0.0);
+  EXPECT_GT(sweep.time_increment, 0.0) << "as its driver says";
+
+  Scan scan = toScan(sweep);
+  const Pose2 base = arc.at(sweep.stamp);
+  const auto straightened = [&](const Scan& listed) {
+    return deskew(listed,
+                  [&](double seconds) { return between(base, arc.at(sweep.stamp + seconds)); });
+  };
+  const Pose2 laser = compose(base, sweep.laser_in_base);
+  EXPECT_GT(worstMiss(straightened(scan), laser), 0.1);
+  scan.seconds_after_stamp = -scan.seconds_after_stamp;
+  EXPECT_LT(worstMiss(straightened(scan), laser), 0.005);
+}
+
 TEST(Lidar, AnInstantSweepIsNotBent) {
   LidarParameters parameters = exact();
   parameters.instant = true;

@@ -9,6 +9,7 @@ from ..command import exit_status
 from ..page import Page
 from .drives import RisingNoise
 from .filter_parts import ParticleSpread, SensorTable
+from .imperfect import Imperfect
 from .starts import BadStart, ThreeEstimates
 from .sweeps import ErrorAgainst, UpdateTime, WhatItBuys
 from .trouble import CarriedAway, ShrinkingSet
@@ -17,7 +18,7 @@ from .workshop import Workshop
 EXPERIMENTS = {
     "noise": RisingNoise, "table": SensorTable, "particles": ParticleSpread, "time": UpdateTime,
     "start": BadStart, "sweep": ErrorAgainst, "estimates": ThreeEstimates, "away": CarriedAway,
-    "size": ShrinkingSet, "buys": WhatItBuys}
+    "size": ShrinkingSet, "buys": WhatItBuys, "imperfect": Imperfect}
 
 
 def parse(arguments):
