@@ -115,6 +115,7 @@ class Localizer {
     Pose2 correction;              ///< where the scan put the car, seen from `predicted`
     ScanFit fit;                   ///< from the estimate
     double repeat_distance = 0.0;  ///< m; scans closer together than that err alike
+    double turned = 0.0;           ///< rad, during the sweep
     double order_log_odds = 0.0;   ///< of `beams` against `mirrored`, from the estimate
     bool weigh = false;
     bool reject_short = false;  ///< leave short returns out of the weighing

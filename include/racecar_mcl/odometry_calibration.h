@@ -29,6 +29,9 @@ class OdometryCalibration {
   /// pose that the scan led to, seen from the pose before it was weighed.
   void learn(const Motion& motion, const Pose2& correction);
 
+  /// Scans were found to have been taken at other times than was thought.
+  void forgetDelay() { delay_ = delay_information_ = 0.0; }
+
   double distanceScale() const { return distance_scale_; }  ///< true metres per metre of odometry
   double turnScale() const { return turn_scale_; }          ///< true radians per radian of odometry
   double curvature() const { return curvature_; }           ///< rad/m that odometry does not see

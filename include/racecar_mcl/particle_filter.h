@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "racecar_mcl/clusters.h"
@@ -104,8 +105,7 @@ class ParticleFilter {
   /// The result of a start, of which a scan has said nothing yet.
   const UpdateResult& reportStart(const Scan& beams);
   void requireStart() const;
-  /// The share of the scan that the last one did not tell.
-  double news() const;
+  double news(double repeat_distance) const;
   /// The log-likelihood of what is news in a scan for each particle, tempered while the set
   /// converges.
   Eigen::ArrayXd& weigh(MapModel* map, const Scan& beams);
@@ -129,10 +129,10 @@ class ParticleFilter {
   Random random_;
   ParticleSet particles_;
   int settling_updates_left_ = 0;
-  std::int64_t updates_since_start_ = 0;
+  std::int64_t settled_updates_ = 0;  ///< since the set settled on a place
   bool converging_ = false;
-  Motion last_motion_;            ///< since the scan before
-  double repeat_distance_ = 0.0;  ///< m, of the scan that is weighed
+  std::optional<Motion> moved_;  ///< since the last scan; none before the first
+  double news_ = 1.0;            ///< share of the scan being weighed that the last one did not tell
   // Kept from update to update, so that tracking allocates nothing.
   UpdateResult result_;
   ScanWeigher weigher_;

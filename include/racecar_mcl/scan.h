@@ -31,7 +31,7 @@ Scan selectBeams(const Scan& scan, int count, double field_of_view);
 /// The same, but spread evenly over the walls of a corridor: over the sides of a box about the
 /// lidar that is `aspect` times as long, along the car's x axis, as it is wide. Evenly spread
 /// bearings would crowd on the walls beside the car and leave few beams for those ahead. The beams
-/// come in the order of their bearings from the car's x axis.
+/// come in the order of their bearings, from the lidar's blind side on.
 Scan selectBeamsBoxed(const Scan& scan, int count, double field_of_view, double aspect);
 
 /// The beams of these indices alone.

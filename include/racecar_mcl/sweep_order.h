@@ -1,9 +1,10 @@
 // Learns whether a lidar lists the beams of its sweeps in the order in which it took them.
 //
-// A LaserScan lists its beams counter-clockwise and gives one time between each and the next. A
-// lidar that turns clockwise has to list them against the order in which it took them, and its
-// driver rarely says so. Straightened by such times a sweep comes out bent twice as much as before.
-// Which of the two orders makes a sweep lie better on the map shows whenever the car turns.
+// A LaserScan mostly lists its beams counter-clockwise and gives one time between each and the
+// next. The beams of a lidar that turns clockwise are then listed against the order in which it
+// took them, and its driver rarely says so. Straightened by such times a sweep comes out bent twice
+// as much as before. Which of the two orders makes a sweep lie better on the map shows whenever the
+// car turns.
 #pragma once
 
 #include "racecar_mcl/likelihood_field.h"
@@ -22,8 +23,8 @@ enum class SweepOrderFrom {
 Scan mirroredInTime(Scan scan);
 
 /// The log-likelihood of the one scan less that of the other, both from the car at this pose.
-double logOdds(const LikelihoodField& field, const Pose2& base_in_map, const Scan& one,
-               const Scan& other);
+double logOddsOfScans(const LikelihoodField& field, const Pose2& base_in_map, const Scan& one,
+                      const Scan& other);
 
 class SweepOrder {
  public:
@@ -38,12 +39,16 @@ class SweepOrder {
   /// time between beams has the wrong sign: it begins at the stamp and goes back from there.
   Scan inOrderTaken(Scan scan) const;
 
-  /// Whether a sweep during which the car moved so is to be compared with its mirror image: it is
-  /// bent enough, and the order is not certain yet.
-  bool wantsToCompare(const Pose2& motion_during_sweep) const;
+  /// Whether a sweep during which the car turned so far (rad) is to be compared with its mirror
+  /// image: it is bent enough, and the order is not certain yet.
+  bool wantsToCompare(double turned) const;
 
-  /// `log_odds`: of a sweep straightened in the order of now against its mirror image.
-  void learn(double log_odds);
+  /// `log_odds`: of a sweep straightened in the order of now against its mirror image; `turned`: by
+  /// how much (rad) the car turned meanwhile. Returns true where that changed the order.
+  bool learn(double log_odds, double turned);
+
+  /// What is known may be asked again.
+  void startAgain() { certainty_ = 0.0; }
 
  private:
   SweepOrderFrom from_;

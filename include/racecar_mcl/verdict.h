@@ -19,6 +19,10 @@ enum class VerdictState {
 /// "converging", "localized", "degraded" or "lost".
 std::string describe(VerdictState state);
 
+/// The share of the beams that a good map explains, the rest grazing edges: believed of every map
+/// until it was seen.
+constexpr double kUsualOfGoodMaps = 0.95;
+
 struct VerdictParameters {
   double verdict_time = 0.25;           ///< s, over which the share of explained beams is averaged
   double degraded_deviations = 3.0;     ///< so many deviations below the usual share is degraded

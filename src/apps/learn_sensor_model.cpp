@@ -74,6 +74,7 @@ class Learner {
   void add(const Scan& scan, Nanoseconds stamp) {
     const std::optional<Pose2> base = poseAt(trajectory_, stamp, max_gap_);
     if (!base || !isNews(*base)) return;
+    // Evenly spread, whatever the layout: what is learned is to hold for every beam.
     Scan beams = SweepOrder(parameters_.sweep_order)
                      .inOrderTaken(selectBeams(scan, parameters_.num_beams_per_particle,
                                                parameters_.scan_field_of_view));

@@ -60,7 +60,7 @@ LikelihoodFieldParameters fieldOfPlaces(const GlobalSearchParameters& parameters
   field.field_sigma = 0.12;
   field.field_rand = 0.05;
   field.field_max_range = parameters.search_max_range;
-  field.field_squash = 6.4;  // for as many beams as are weighed while tracking
+  field.field_squash = 6.4;  // for the 240 beams of the default
   field.field_inside = 0.0;
   return field;
 }

@@ -22,10 +22,6 @@ constexpr int kDoubtfulScans = 6;
 constexpr double kShortestPause = 0.5;  // s
 constexpr double kLongestPause = 16.0;  // s
 
-// A map that explains this share of the beams, or more, is as good as maps are: the rest grazed
-// edges.
-constexpr double kGoodMap = 0.95;
-
 bool isParked(const Motion& motion) {
   return motion.distance < kParkedDistance && motion.rotation < kParkedRotation;
 }
@@ -100,6 +96,7 @@ void Localizer::anchorHere() {
   scans_since_stop_ = 0;
   judge_.startAgain();
   doubt_.startAgain();
+  sweep_order_.startAgain();
   recovery_pause_ = kShortestPause;
   second_opinion_.drop();
 }
@@ -177,7 +174,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   // What is to confirm a place counts in full.
   if (!second_opinion_.pending()) {
     task.repeat_distance =
-        parameters_.map_error_distance * std::max(0.0, kGoodMap - judge_.usual());
+        parameters_.map_error_distance * std::max(0.0, kUsualOfGoodMaps - judge_.usual());
   }
   task.search = search_pending_;
   task.recover = !task.search && wantsRecovery(scan.stamp);
@@ -199,7 +196,8 @@ void Localizer::straighten(const OdometryState& at_stamp, ScanTask* task) const 
   };
   const auto first = static_cast<double>(sweep.seconds_after_stamp.minCoeff());
   const auto last = static_cast<double>(sweep.seconds_after_stamp.maxCoeff());
-  if (sweep_order_.wantsToCompare(between(base_after(first), base_after(last)))) {
+  task->turned = between(base_after(first), base_after(last)).yaw;
+  if (sweep_order_.wantsToCompare(task->turned)) {
     task->mirrored = deskew(mirroredInTime(sweep), base_after);
   }
   task->beams = deskew(sweep, base_after);
@@ -230,7 +228,8 @@ void Localizer::processScan(ScanTask* task) {
   task->correction = between(predicted, estimated);
   task->fit = fitScan(map_.get(), estimated, task->beams);
   if (task->mirrored) {
-    task->order_log_odds = logOdds(map_->search.field(), estimated, task->beams, *task->mirrored);
+    task->order_log_odds =
+        logOddsOfScans(map_->search.field(), estimated, task->beams, *task->mirrored);
   }
   if (task->result.update.weights_vanished) task->result.outcome = ScanOutcome::kWeightsVanished;
 }
@@ -320,7 +319,11 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   learnDoubt(task);
   if (result.verdict.state == VerdictState::kLocalized) {
     calibration_.learn(task.motion, task.correction);
-    if (task.mirrored) sweep_order_.learn(task.order_log_odds);
+    if (task.mirrored && sweep_order_.learn(task.order_log_odds, task.turned)) {
+      // What was learned of a sweep that went the other way says nothing of this one.
+      calibration_.forgetDelay();
+      doubt_.startAgain();
+    }
   }
   // Asked again, for what was learned of the delay moves it.
   anchor_ = Anchor{result.update.estimate, odometryAt(result.stamp)};

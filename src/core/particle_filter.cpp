@@ -102,7 +102,7 @@ void ParticleFilter::startFrom(ParticleSet particles, bool converging) {
   particles_ = std::move(particles);
   particles_.log_weight.setConstant(-std::log(static_cast<double>(particles_.size())));
   settling_updates_left_ = parameters_.settling_updates;
-  updates_since_start_ = 0;
+  settled_updates_ = 0;
   converging_ = converging;
 }
 
@@ -158,15 +158,19 @@ bool ParticleFilter::reconsider(MapModel* map, const Scan& beams) {
 }
 
 void ParticleFilter::predict(const Motion& motion) {
-  last_motion_ = motion;
+  const Motion before = moved_.value_or(Motion{});
+  moved_ = motion;
+  moved_->distance += before.distance;
+  moved_->rotation += before.rotation;
   moveParticles(motion_parameters_, motion, random_, &particles_);
 }
 
 const UpdateResult& ParticleFilter::update(MapModel* map, const Scan& beams,
                                            double repeat_distance) {
   requireStart();
-  repeat_distance_ = repeat_distance;
-  ++updates_since_start_;
+  news_ = news(repeat_distance);
+  moved_.reset();
+  if (!converging_) ++settled_updates_;
   result_.resampled = false;
   Eigen::ArrayXd& log_weights = weigh(map, beams);
   const double log_likelihood_of_steps = anneal(map, beams, &log_weights, &result_.resampled);
@@ -200,18 +204,19 @@ void ParticleFilter::reportSet(const Scan& beams) {
   result_.estimate = estimateFrom(result_.clusters);
 }
 
-double ParticleFilter::news() const {
-  if (converging_) return newsAfter(last_motion_, parameters_.news_distance);
-  // After a start little is known that a scan could repeat.
-  if (updates_since_start_ <= parameters_.settling_updates) return 1.0;
-  return std::max(kLeastNews, newsAfter(last_motion_, repeat_distance_));
+double ParticleFilter::news(double repeat_distance) const {
+  if (!moved_) return 1.0;
+  if (converging_) return newsAfter(*moved_, parameters_.news_distance);
+  // Of a place that was just found little is known that a scan could repeat.
+  if (settled_updates_ < parameters_.settling_updates) return 1.0;
+  return std::max(kLeastNews, newsAfter(*moved_, repeat_distance));
 }
 
 Eigen::ArrayXd& ParticleFilter::weigh(MapModel* map, const Scan& beams) {
   Eigen::ArrayXd& log_likelihoods = converging_
                                         ? weigher_.weigh(map->search.field(), particles_, beams)
                                         : weigher_.weigh(map, particles_, beams);
-  if (news() < 1.0) log_likelihoods *= news();
+  if (news_ < 1.0) log_likelihoods *= news_;
   if (!converging_) return log_likelihoods;
   const double survivors = kConvergingSurvivors * static_cast<double>(particles_.size());
   log_likelihoods *= temperingExponent(particles_.log_weight, log_likelihoods, survivors);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -62,12 +63,15 @@ double bearingRoundBox(double way, double aspect) {
   return std::copysign(turn, way);
 }
 
+constexpr double kLeastGap = 1e-6;  // rad, by which gaps differ
+
 struct Beam {
   double bearing;  ///< rad, from the car's x axis
   Eigen::Index index;
 };
 
-/// The beams that can be weighed, in the order of their bearings from the car's x axis.
+/// The beams that can be weighed, in the order of their bearings from the car's x axis, from the
+/// widest gap between them on: the lidar's blind side, wherever that is.
 std::vector<Beam> usableBeamsAboutCar(const Scan& scan, double field_of_view) {
   std::vector<Beam> beams;
   for (const Eigen::Index i : usableBeams(scan, field_of_view)) {
@@ -78,6 +82,16 @@ std::vector<Beam> usableBeamsAboutCar(const Scan& scan, double field_of_view) {
   if (!std::is_sorted(beams.begin(), beams.end(), by_bearing)) {
     std::stable_sort(beams.begin(), beams.end(), by_bearing);
   }
+  if (beams.empty()) return beams;
+  double widest = 2.0 * kPi - (beams.back().bearing - beams.front().bearing);  // behind the car
+  auto first = beams.begin();
+  for (auto next = beams.begin() + 1; next < beams.end(); ++next) {
+    const double gap = next->bearing - std::prev(next)->bearing;
+    if (gap <= widest + kLeastGap) continue;
+    widest = gap;
+    first = next;
+  }
+  std::rotate(beams.begin(), first, beams.end());
   return beams;
 }
 
@@ -118,14 +132,18 @@ Scan selectBeamsBoxed(const Scan& scan, int count, double field_of_view, double 
   std::vector<Eigen::Index> chosen(
       std::min(static_cast<std::size_t>(std::max(count, 0)), usable.size()));
   if (chosen.empty()) return takeBeams(scan, chosen);
+  const double round = 4.0 + 4.0 * aspect;  // the way round the box
   const double first = wayRoundBox(usable.front().bearing, aspect);
-  const double whole = wayRoundBox(usable.back().bearing, aspect) - first;
+  double whole = wayRoundBox(usable.back().bearing, aspect) - first;
+  if (whole < 0.0) whole += round;
   std::size_t next = 0;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const double share =
         chosen.size() == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(chosen.size() - 1);
-    const double target = bearingRoundBox(first + share * whole, aspect);
-    const auto miss = [&](std::size_t i) { return std::abs(usable[i].bearing - target); };
+    const double target = bearingRoundBox(std::remainder(first + share * whole, round), aspect);
+    const auto miss = [&](std::size_t i) {
+      return std::abs(wrapAngle(usable[i].bearing - target));
+    };
     // The nearest that leaves enough beams for those still to be chosen: none is taken twice.
     const std::size_t last = usable.size() - (chosen.size() - k);
     while (next < last && miss(next + 1) <= miss(next)) ++next;

@@ -9,9 +9,10 @@ namespace {
 // rad, during a sweep. Less bends a sweep by less than scans tell.
 constexpr double kTurned = 0.02;
 
-// Log odds: what one scan may say at most, for those of one turn err alike; against the order of
-// now, from which on it is changed; in its favour, from which on nothing is asked any more.
-constexpr double kMostByOneScan = 1.0;
+// Log odds: what a radian turned during sweeps may say at most, for the scans of one turn err
+// alike; against the order of now, from which on it is changed; in its favour, from which on
+// nothing is asked any more.
+constexpr double kMostByRadian = 5.0;
 constexpr double kChange = -6.0;
 constexpr double kCertain = 20.0;
 
@@ -23,8 +24,8 @@ Scan mirroredInTime(Scan scan) {
   return scan;
 }
 
-double logOdds(const LikelihoodField& field, const Pose2& base_in_map, const Scan& one,
-               const Scan& other) {
+double logOddsOfScans(const LikelihoodField& field, const Pose2& base_in_map, const Scan& one,
+                      const Scan& other) {
   const auto logLikelihood = [&](const Scan& scan) {
     const Pose2 lidar = compose(base_in_map, scan.laser_in_base);
     Eigen::ArrayXd value(1);
@@ -39,17 +40,18 @@ Scan SweepOrder::inOrderTaken(Scan scan) const {
   return scan;
 }
 
-bool SweepOrder::wantsToCompare(const Pose2& motion_during_sweep) const {
-  return from_ == SweepOrderFrom::kLearned && certainty_ < kCertain &&
-         std::abs(motion_during_sweep.yaw) > kTurned;
+bool SweepOrder::wantsToCompare(double turned) const {
+  return from_ == SweepOrderFrom::kLearned && certainty_ < kCertain && std::abs(turned) > kTurned;
 }
 
-void SweepOrder::learn(double log_odds) {
-  if (!std::isfinite(log_odds)) return;
-  certainty_ += std::clamp(log_odds, -kMostByOneScan, kMostByOneScan);
-  if (certainty_ > kChange) return;
+bool SweepOrder::learn(double log_odds, double turned) {
+  if (!std::isfinite(log_odds)) return false;
+  const double most = kMostByRadian * std::abs(turned);
+  certainty_ += std::clamp(log_odds, -most, most);
+  if (certainty_ > kChange) return false;
   reversed_ = !reversed_;
   certainty_ = 0.0;
+  return true;
 }
 
 }  // namespace racecar_mcl

@@ -9,9 +9,8 @@
 namespace racecar_mcl {
 namespace {
 
-// The usual share of explained beams: what is believed before anything was seen, what it never
-// falls below, and over how many metres it is learnt.
-constexpr double kUsualAtFirst = 0.95;
+// The usual share of explained beams: what it never falls below, and over how many metres it is
+// learnt.
 constexpr double kUsualAtLeast = 0.7;
 constexpr double kUsualDistance = 10.0;  // m
 constexpr double kDeviationAtFirst = 0.05;
@@ -50,7 +49,7 @@ void validate(const VerdictParameters& p) {
 
 Judge::Judge(const VerdictParameters& parameters)
     : parameters_((validate(parameters), parameters)),
-      usual_(kUsualAtFirst),
+      usual_(kUsualOfGoodMaps),
       deviation_(kDeviationAtFirst) {}
 
 void Judge::startAgain() {

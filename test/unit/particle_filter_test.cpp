@@ -21,7 +21,7 @@ TEST(ParticleFilter, AGlobalSetShrinksAsItConcentrates) {
   filter.initializeGlobally(*sharp_map);
   const Scan scan = scanFrom(*sharp_map, kTruth);
   Eigen::Index before = filter.particles().size();
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 15; ++i) {
     filter.update(sharp_map.get(), scan);
     EXPECT_LE(filter.particles().size(), before);
     before = filter.particles().size();

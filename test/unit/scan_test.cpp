@@ -172,6 +172,20 @@ TEST(SelectBeamsBoxed, LaysTheBoxAlongTheCarHoweverTheLidarIsMounted) {
   }
 }
 
+TEST(SelectBeamsBoxed, FavoursNoSideWhereTheLidarLooksBack) {
+  Scan scan = fan(1081);
+  scan.bearings *= 0.25f;  // 270 degrees
+  scan.laser_in_base = {0.0, 0.0, kPi};
+  const Scan chosen = selectBeamsBoxed(scan, 240, 2 * kPi, 2.0);
+  ASSERT_EQ(chosen.size(), 240);
+  EXPECT_NEAR(static_cast<double>((chosen.bearings < 0.0f).count()), 120.0, 3.0);
+  for (const float edge : {0.5f, 1.0f, 1.5f, 2.0f}) {
+    EXPECT_NEAR(static_cast<double>((chosen.bearings > edge).count()),
+                static_cast<double>((chosen.bearings < -edge).count()), 4.0)
+        << edge;
+  }
+}
+
 TEST(SelectBeamsBoxed, TakesNoneTwiceAndAllWhereFewAreThere) {
   for (const int count : {1, 2, 30, 180, 181, 400}) {
     const Scan chosen = selectBeamsBoxed(fan(181), count, 2 * kPi, 20.0);

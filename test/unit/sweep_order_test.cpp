@@ -18,8 +18,6 @@ Scan threeBeams() {
   return scan;
 }
 
-constexpr Pose2 kTurned{0.1, 0.0, 0.1};
-
 TEST(SweepOrder, ReversedBeamsWereTakenBeforeTheStamp) {
   const Scan scan = threeBeams();
   const Scan listed = SweepOrder(SweepOrderFrom::kListed).inOrderTaken(scan);
@@ -40,28 +38,41 @@ TEST(SweepOrder, AMirroredSweepLastsAsLong) {
 
 TEST(SweepOrder, ChangesItsMindByManyScansAndNotByOne) {
   SweepOrder order;
-  order.learn(-1e9);
-  order.learn(std::numeric_limits<double>::quiet_NaN());
+  order.learn(-1e9, 0.2);
+  order.learn(std::numeric_limits<double>::quiet_NaN(), 0.2);
   EXPECT_FALSE(order.reversed());
   EXPECT_STREQ(order.word(), "listed");
-  for (int i = 0; i < 10 && !order.reversed(); ++i) order.learn(-0.9);
+  for (int i = 0; i < 10 && !order.reversed(); ++i) order.learn(-0.9, 0.2);
   EXPECT_TRUE(order.reversed());
   EXPECT_STREQ(order.word(), "reversed");
-  for (int i = 0; i < 10 && order.reversed(); ++i) order.learn(-0.9);
+  for (int i = 0; i < 10 && order.reversed(); ++i) order.learn(-0.9, 0.2);
   EXPECT_FALSE(order.reversed());
+}
+
+TEST(SweepOrder, SharpTurnsSayMoreThanSlightOnes) {
+  const auto scansUntilChanged = [](double turned) {
+    SweepOrder order;
+    int scans = 1;
+    while (!order.learn(-100.0, turned)) ++scans;
+    return scans;
+  };
+  EXPECT_GT(scansUntilChanged(0.03), 30);
+  EXPECT_LT(scansUntilChanged(0.3), 8);
 }
 
 TEST(SweepOrder, AsksInTurnsUntilItIsCertain) {
   SweepOrder order;
-  EXPECT_FALSE(order.wantsToCompare({2.0, 0.0, 0.01})) << "a way straight on bends no sweep";
+  EXPECT_FALSE(order.wantsToCompare(0.01)) << "a way straight on bends no sweep";
   for (int i = 0; i < 15; ++i) {
-    EXPECT_TRUE(order.wantsToCompare(kTurned));
-    order.learn(1.0);
+    EXPECT_TRUE(order.wantsToCompare(0.1));
+    order.learn(1.0, 0.2);
   }
-  for (int i = 0; i < 15; ++i) order.learn(1.0);
-  EXPECT_FALSE(order.wantsToCompare(kTurned));
-  EXPECT_FALSE(SweepOrder(SweepOrderFrom::kListed).wantsToCompare(kTurned));
-  EXPECT_FALSE(SweepOrder(SweepOrderFrom::kReversed).wantsToCompare(kTurned));
+  for (int i = 0; i < 15; ++i) order.learn(1.0, 0.2);
+  EXPECT_FALSE(order.wantsToCompare(0.1));
+  order.startAgain();
+  EXPECT_TRUE(order.wantsToCompare(0.1));
+  EXPECT_FALSE(SweepOrder(SweepOrderFrom::kListed).wantsToCompare(0.1));
+  EXPECT_FALSE(SweepOrder(SweepOrderFrom::kReversed).wantsToCompare(0.1));
 }
 
 /// A lidar that takes 0.1 s for a sweep, on a car that turns by 6 degrees meanwhile. Its list runs
@@ -125,7 +136,7 @@ TEST_F(ClockwiseLidarTest, TimesThatRunBackwardsAreBelieved) {
     localizer.addOdometry(odometryAt(stamp));
     if (i % 5 != 0) continue;
     Scan scan = clockwise(stamp);
-    scan.seconds_after_stamp = -scan.seconds_after_stamp;  // an honest driver
+    scan.seconds_after_stamp = -scan.seconds_after_stamp;  // with the right sign
     const ScanResult result = localizer.addScan(scan);
     EXPECT_LT(distance(result.update.estimate.base_in_map, truthAt(stamp)), 0.08);
   }

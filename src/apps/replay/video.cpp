@@ -41,9 +41,11 @@ bool openWriter(const std::string& path, double rate, cv::Size size, cv::VideoWr
 std::vector<cv::Point2d> endPoints(const Scan& listed, const Localizer& localizer) {
   const Scan scan = localizer.sweepOrder().inOrderTaken(listed);
   std::vector<cv::Point2d> points;
-  // The farther end of the sweep, before the stamp where beams are listed in reverse.
-  const double duration = static_cast<double>(scan.seconds_after_stamp.minCoeff() +
-                                              scan.seconds_after_stamp.maxCoeff());
+  if (scan.size() == 0) return points;
+  // To the farther end of the sweep, which is before the stamp where beams are listed in reverse.
+  const auto earliest = static_cast<double>(scan.seconds_after_stamp.minCoeff());
+  const auto latest = static_cast<double>(scan.seconds_after_stamp.maxCoeff());
+  const double duration = -earliest > latest ? earliest : latest;
   const std::optional<PoseEstimate> first = localizer.estimateAt(scan.stamp);
   const std::optional<PoseEstimate> last = localizer.estimateAt(scan.stamp + duration);
   if (!first || !last) return points;
