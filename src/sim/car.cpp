@@ -54,7 +54,8 @@ bool touches(const Pose2& base_in_map, const CarParameters& parameters, const Wo
                                      {{rear, side, -kPi / 2.0}, 2.0 * side}}};
   for (const Edge& edge : outline) {
     const Pose2 start = compose(base_in_map, edge.start_in_base);
-    const Hit hit = world.cast({start.x, start.y}, start.yaw, edge.length, obstacles, time);
+    const Hit hit = world.cast({start.x, start.y}, start.yaw, edge.length, obstacles, time,
+                               Ends::kWhereNotFree);
     if (std::isfinite(hit.range)) return true;
   }
   return false;

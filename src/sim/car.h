@@ -52,7 +52,8 @@ Twist2 twistOf(const CarState& car, const CarParameters& parameters);
 CarState obey(const CarState& car, const Command& command, const CarParameters& parameters,
               double seconds);
 
-/// Whether the car's outline, widened by `clearance` m all round, meets a wall or an obstacle.
+/// Whether the car's outline, widened by `clearance` m all round, meets an obstacle or anything
+/// that is not known to be free.
 bool touches(const Pose2& base_in_map, const CarParameters& parameters, const World& world,
              const std::vector<Obstacle>& obstacles, double time, double clearance = 0.0);
 

@@ -110,7 +110,7 @@ float Lidar::measureBeam(const Pose2& laser_in_map, double bearing, double time,
 
   const double yaw = laser_in_map.yaw + bearing;
   const Eigen::Vector2d origin(laser_in_map.x, laser_in_map.y);
-  const Hit hit = world.cast(origin, yaw, current_.range_max, obstacles, time);
+  const Hit hit = world.cast(origin, yaw, current_.range_max, obstacles, time, current_.ends);
   if (missing || !std::isfinite(hit.range)) return kNothing;
   if (hit.on_wall && current_.glass.share > 0.0) {
     const Eigen::Vector2d point =

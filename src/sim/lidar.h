@@ -27,6 +27,7 @@ struct LidarParameters {
   double range_min = 0.06;           ///< m
   double range_max = 10.0;           ///< m
   Pose2 laser_in_base{0.27, 0.0, 0.0};
+  Ends ends = Ends::kAtWalls;  ///< of a beam
   Glass glass;
 
   /// Throws ParameterError, naming the field.

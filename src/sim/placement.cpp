@@ -23,7 +23,7 @@ Wall nearestWall(const World& world, const Eigen::Vector2d& point) {
   Wall nearest{0.0, kReach};
   for (int i = 0; i < 72; ++i) {
     const double yaw = 2.0 * kPi * i / 72.0;
-    const double range = world.castWalls(point, yaw, nearest.range);
+    const double range = world.castWalls(point, yaw, nearest.range, Ends::kWhereNotFree);
     if (range < nearest.range) nearest = {yaw, range};
   }
   return nearest;
@@ -31,8 +31,11 @@ Wall nearestWall(const World& world, const Eigen::Vector2d& point) {
 
 /// Whether something `half` m thick can stand at `point` beside the wall and leaves a way past.
 bool leavesPassage(const World& world, const Eigen::Vector2d& point, double wall_yaw, double half) {
-  return !world.isWall(point) && world.castWalls(point, wall_yaw, kReach) <= kBesideWall &&
-         world.castWalls(point, wall_yaw + kPi, kReach) >= half + kPassage;
+  const auto freeTowards = [&](double yaw) {
+    return world.castWalls(point, yaw, kReach, Ends::kWhereNotFree);
+  };
+  return world.isFree(point) && freeTowards(wall_yaw) <= kBesideWall &&
+         freeTowards(wall_yaw + kPi) >= half + kPassage;
 }
 
 Obstacle drawObstacle(const Eigen::Vector2d& point, double yaw, Random& random) {

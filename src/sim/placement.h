@@ -8,13 +8,15 @@
 
 namespace racecar_mcl::sim {
 
-/// A pose in free space with `clearance` m all round the car. Throws MapError where none was found.
+/// A pose in known free space with `clearance` m all round the car. Throws MapError where none was
+/// found.
 Pose2 randomFreePose(const World& world, const CarParameters& car, Random& random,
                      double clearance = 0.1);
 
-/// `count` unmapped discs and boxes beside the walls, of which `moving` walk 2 m to and fro along
-/// them. None comes within 3 m of `keep_clear` or of another, and each leaves 1.4 m or more to
-/// pass, all along its walk. Throws MapError where the world has no room for them.
+/// `count` unmapped discs and boxes beside the walls and what is unknown, of which `moving` walk 2
+/// m to and fro along them. None comes within 3 m of `keep_clear` or of another, and each
+/// leaves 1.4 m or more to pass, all along its walk. Throws MapError where the world has no room
+/// for them.
 std::vector<Obstacle> scatterObstacles(const World& world, int count, int moving,
                                        const Pose2& keep_clear, Random& random);
 

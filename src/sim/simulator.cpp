@@ -74,14 +74,17 @@ Arc Simulator::move(const Command& command, double begin, double end) {
   Arc arc{begin, end, car_.base_in_map, twistOf(car_, parameters_.car)};
   const Pose2 there = arc.at(end);
   const bool blocked = touches(there, parameters_.car, *world_, obstacles_, end);
-  // Standing inside something (placed there, or run into by it), the car may still drive out.
-  const bool was_blocked =
-      blocked && touches(arc.base_in_map, parameters_.car, *world_, obstacles_, begin);
+  // Standing inside something (placed there, or run into by it), the car may still drive out; one
+  // that an obstacle has run into gets into no wall meanwhile.
+  const auto enters = [&](const std::vector<Obstacle>& obstacles) {
+    return touches(there, parameters_.car, *world_, obstacles, end) &&
+           !touches(arc.base_in_map, parameters_.car, *world_, obstacles, begin);
+  };
   if (blocked && !collided_) ++collisions_;
   // Pushing on against a wall is one collision, not many: it ends when the car has left the wall.
   collided_ = blocked || (collided_ && touches(there, parameters_.car, *world_, obstacles_, end,
                                                kLeavingClearance));
-  if (blocked && !was_blocked) {
+  if (blocked && (enters(obstacles_) || enters({}))) {
     car_.speed = 0.0;
     arc.twist = {};
     return arc;
@@ -116,6 +119,7 @@ LidarScan Simulator::look() const {
   faultless.beams = 541;
   faultless.range_noise = 0.0;
   faultless.missing_rate = 0.0;
+  faultless.ends = Ends::kWhereNotFree;
   faultless.laser_in_base = parameters_.lidar.laser_in_base;
   const Arc here{time(), time() + 1.0 / kTicksPerSecond, car_.base_in_map, {}};
   return Lidar(faultless, 0, here.begin).measure(here, *world_, obstacles_).value();

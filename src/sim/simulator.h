@@ -46,8 +46,9 @@ class Simulator {
             const Pose2& base_in_map, std::uint64_t seed, double start_time = 0.0);
 
   /// Drives on for `seconds`, in steps of 1 ms; what is left over counts towards the next call.
-  /// Returns what arrived meanwhile, oldest first. A car that meets a wall or an obstacle stands
-  /// before it, and can go back. Throws ParameterError on a command or a time that is not finite.
+  /// Returns what arrived meanwhile, oldest first. A car that meets an obstacle or what is not
+  /// known to be free stands before it, and can go back. Throws ParameterError on a command or a
+  /// time that is not finite.
   std::vector<Event> advance(double seconds, const Command& command);
 
   /// Holds from the next sweep and the next message on. Throws ParameterError and changes nothing.
@@ -64,7 +65,8 @@ class Simulator {
   void place(const Pose2& base_in_map);
 
   /// What a lidar without faults (no noise, no missing returns, no glass) would see from here at
-  /// once. A driver who looks with it drives the same way whatever the sensors are set to.
+  /// once, were everything a wall that is not known to be free. A driver who looks with it drives
+  /// the same way whatever the sensors are set to.
   LidarScan look() const;
 
   double time() const;

@@ -13,6 +13,16 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// What a cell is, by how much it stops.
+constexpr std::uint8_t kFree = 0;
+constexpr std::uint8_t kUnknown = 1;
+constexpr std::uint8_t kWall = 2;
+
+std::uint8_t kindOf(std::int8_t value) {
+  if (value < 0) return kUnknown;
+  return value >= OccupancyGrid::kObstacleFrom ? kWall : kFree;
+}
+
 std::string besideMap(const std::string& map_yaml_path, const std::string& suffix) {
   const std::size_t slash = map_yaml_path.find_last_of('/');
   const std::size_t dot = map_yaml_path.find_last_of('.');
@@ -47,23 +57,27 @@ struct Axis {
 
 }  // namespace
 
-World::World(const OccupancyGrid& grid)
-    : geometry_(grid.geometry()), wall_(obstacleMask(grid, UnknownIs::kFree)) {
-  for (std::size_t i = 0; i < wall_.size(); ++i) {
-    if (grid.cells()[i] >= 0 && wall_[i] == 0) free_.push_back(static_cast<std::uint32_t>(i));
+World::World(const OccupancyGrid& grid) : geometry_(grid.geometry()), cells_(grid.cells().size()) {
+  std::transform(grid.cells().begin(), grid.cells().end(), cells_.begin(), kindOf);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    if (cells_[i] == kFree) free_.push_back(static_cast<std::uint32_t>(i));
   }
 }
 
-double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_range) const {
+double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_range,
+                        Ends ends) const {
   const Eigen::Vector2d start = worldToGrid(geometry_, origin);
   const double angle = yaw - geometry_.origin.yaw;
   const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
   const Eigen::Vector2d size(geometry_.width, geometry_.height);
   if (!start.allFinite() || !direction.allFinite()) return kInfinity;
+  const std::uint8_t ends_at = ends == Ends::kAtWalls ? kWall : kUnknown;
+  const bool inside = (start.array() >= 0.0).all() && (start.array() < size.array()).all();
+  if (ends == Ends::kWhereNotFree && !inside) return 0.0;
 
   // The stretch of the ray inside the grid, in cells.
   double enter = 0.0;
-  double leave = max_range / geometry_.resolution;
+  double exit = kInfinity;
   for (int axis = 0; axis < 2; ++axis) {
     if (direction[axis] == 0.0) {
       if (start[axis] < 0.0 || start[axis] >= size[axis]) return kInfinity;
@@ -72,8 +86,10 @@ double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_ra
     const double a = -start[axis] / direction[axis];
     const double b = (size[axis] - start[axis]) / direction[axis];
     enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
+    exit = std::min(exit, std::max(a, b));
   }
+  const double longest = max_range / geometry_.resolution;
+  const double leave = std::min(longest, exit);
   if (enter > leave) return kInfinity;
 
   Axis column(start.x(), direction.x(), geometry_.width, enter);
@@ -82,7 +98,7 @@ double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_ra
   double next_column = column.next();
   double next_row = row.next();
   while (distance <= leave && column.inside() && row.inside()) {
-    if (wall_[index({column.cell, row.cell})] != 0) return distance * geometry_.resolution;
+    if (cells_[index({column.cell, row.cell})] >= ends_at) return distance * geometry_.resolution;
     if (next_column < next_row) {
       distance = next_column;
       column.cell += column.step;
@@ -93,30 +109,30 @@ double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_ra
       next_row = row.next();
     }
   }
-  return kInfinity;
+  const bool reaches_edge = ends == Ends::kWhereNotFree && exit <= longest;
+  return reaches_edge ? exit * geometry_.resolution : kInfinity;
 }
 
 Hit World::cast(const Eigen::Vector2d& origin, double yaw, double max_range,
-                const std::vector<Obstacle>& obstacles, double time) const {
+                const std::vector<Obstacle>& obstacles, double time, Ends ends) const {
   const Eigen::Vector2d direction(std::cos(yaw), std::sin(yaw));
   Hit hit{kInfinity, false};
   for (const Obstacle& obstacle : obstacles) {
     const double range = castObstacle(obstacle, poseAt(obstacle, time), origin, direction);
     if (range <= max_range) hit.range = std::min(hit.range, range);
   }
-  const double walls = castWalls(origin, yaw, std::min(max_range, hit.range));
+  const double walls = castWalls(origin, yaw, std::min(max_range, hit.range), ends);
   return walls <= hit.range ? Hit{walls, std::isfinite(walls)} : hit;
 }
 
 bool World::isWall(const Eigen::Vector2d& point) const {
   const Cell cell = cellAt(geometry_, point);
-  return contains(geometry_, cell) && wall_[index(cell)] != 0;
+  return contains(geometry_, cell) && cells_[index(cell)] == kWall;
 }
 
 bool World::isFree(const Eigen::Vector2d& point) const {
   const Cell cell = cellAt(geometry_, point);
-  return contains(geometry_, cell) &&
-         std::binary_search(free_.begin(), free_.end(), static_cast<std::uint32_t>(index(cell)));
+  return contains(geometry_, cell) && cells_[index(cell)] == kFree;
 }
 
 bool World::isGlass(const Glass& glass, const Eigen::Vector2d& point) {

@@ -20,6 +20,13 @@ struct Glass {
   std::uint64_t seed = 1;
 };
 
+/// What ends a ray. The localizer's rays pass through unknown cells and out of the grid by default
+/// (`unknown_is: free`), and so do the lidar's. What is not known to be free cannot be driven.
+enum class Ends {
+  kAtWalls,
+  kWhereNotFree,  ///< at a wall, an unknown cell or the grid's edge
+};
+
 /// Where a ray ends.
 struct Hit {
   double range = 0.0;  ///< m from the ray's origin; +infinity where it meets nothing
@@ -31,20 +38,21 @@ struct Hit {
 /// means something.
 class World {
  public:
-  /// A cell is a wall from OccupancyGrid::kObstacleFrom on; unknown cells and the outside are open.
-  /// The grid may be as fine as one likes; splitting the cells of a coarse map would change no
-  /// range and is left undone.
+  /// A cell is a wall from OccupancyGrid::kObstacleFrom on; the outside is unknown. The grid may be
+  /// as fine as one likes; splitting the cells of a coarse map would change no range and is left
+  /// undone.
   explicit World(const OccupancyGrid& grid);
 
   const GridGeometry& geometry() const { return geometry_; }
 
-  /// Distance from `origin` to the entry of the first wall cell in direction `yaw` (rad, map
-  /// frame): 0 from inside a wall, +infinity where there is none within `max_range`.
-  double castWalls(const Eigen::Vector2d& origin, double yaw, double max_range) const;
+  /// Distance from `origin` to the entry of the first cell that ends a ray in direction `yaw` (rad,
+  /// map frame): 0 from inside such a cell, +infinity where there is none within `max_range`.
+  double castWalls(const Eigen::Vector2d& origin, double yaw, double max_range,
+                   Ends ends = Ends::kAtWalls) const;
 
   /// The nearer of the walls and of the obstacles as they stand at `time` (s).
   Hit cast(const Eigen::Vector2d& origin, double yaw, double max_range,
-           const std::vector<Obstacle>& obstacles, double time) const;
+           const std::vector<Obstacle>& obstacles, double time, Ends ends = Ends::kAtWalls) const;
 
   bool isWall(const Eigen::Vector2d& point) const;
 
@@ -64,7 +72,7 @@ class World {
   }
 
   GridGeometry geometry_;
-  std::vector<std::uint8_t> wall_;   ///< 1 = wall; row-major, lowest row first
+  std::vector<std::uint8_t> cells_;  ///< free, unknown or wall; row-major, lowest row first
   std::vector<std::uint32_t> free_;  ///< indices of the free cells, rising
 };
 

@@ -11,7 +11,7 @@
 namespace racecar_mcl::sim {
 namespace {
 
-/// 20 m x 20 m of nothing: unknown cells are open, and there is nothing to run into.
+/// 20 m x 20 m of free cells: there is nothing to run into.
 std::shared_ptr<const World> openGround() {
   return std::make_shared<const World>(
       OccupancyGrid({2, 2, 10.0, {-10.0, -10.0, 0.0}}, std::vector<std::int8_t>(4, 0)));
@@ -67,6 +67,30 @@ TEST(Car, StopsAtAWallAndBacksOff) {
   EXPECT_EQ(simulator.collisions(), 1);
 }
 
+TEST(Car, StopsWhereItIsNotKnownToBeFree) {
+  for (const char* map : {"..........", "?........?"}) {
+    const auto world = std::make_shared<const World>(asciiMap(map));
+    const double free_until = map[9] == '?' ? 9.0 : 10.0;
+    Simulator simulator(world, {}, {4.0, 0.5, 0.0}, 1);
+    simulator.advance(4.0, {3.0, 0.0});
+    EXPECT_EQ(simulator.collisions(), 1);
+    EXPECT_NEAR(simulator.truth().base_in_map.x, free_until - 0.42, 0.005);
+    simulator.advance(20.0, {-3.0, 0.0});
+    EXPECT_EQ(simulator.collisions(), 2);
+    EXPECT_NEAR(simulator.truth().base_in_map.x, 10.0 - free_until + 0.10, 0.005);
+  }
+}
+
+TEST(Car, GetsIntoNoWallWhileSomethingRunsIntoIt) {
+  const auto world = std::make_shared<const World>(asciiMap("#........#"));
+  Simulator simulator(world, {}, {8.0, 0.5, 0.0}, 1);
+  Obstacle disc;
+  disc.in_map = {8.0, 0.6, 0.0};
+  simulator.setObstacles({disc});
+  simulator.advance(2.0, {1.0, 0.0});
+  EXPECT_NEAR(simulator.truth().base_in_map.x, 9.0 - 0.42, 0.005);
+}
+
 TEST(Car, IsTouchedByItsOutlineOnly) {
   const World world(asciiMap(R"(
       ....
@@ -85,7 +109,9 @@ TEST(Car, IsTouchedByItsOutlineOnly) {
 }
 
 TEST(Car, OverlapsWhatLiesWhollyInsideItsOutline) {
-  const World world(asciiMap("...\n.#.\n...", 0.05, {0.1, -0.075, 0.0}));
+  std::vector<std::int8_t> cells(41 * 41, OccupancyGrid::kFree);
+  cells[20 * 41 + 20] = OccupancyGrid::kOccupied;
+  const World world(OccupancyGrid({41, 41, 0.05, {-0.85, -1.025, 0.0}}, cells));
   const CarParameters car;
   EXPECT_FALSE(touches({0.0, 0.0, 0.0}, car, world, {}, 0.0));
   EXPECT_TRUE(overlaps({0.0, 0.0, 0.0}, car, world, {}, 0.0));
@@ -105,6 +131,27 @@ TEST(Placement, FreePosesTouchNothing) {
     const Pose2 pose = randomFreePose(world, car, random, 0.1);
     EXPECT_FALSE(overlaps(pose, car, world, {}, 0.0, 0.1));
     EXPECT_TRUE(pose.x > 2.0 && pose.x < 4.0 && pose.y > 1.0 && pose.y < 3.0);
+  }
+}
+
+TEST(Placement, KeepsClearOfWhatIsUnknown) {
+  const World world(asciiMap(R"(
+      ??????
+      ?....?
+      ?.?..?
+      ?....?)"));
+  const CarParameters car;
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const Pose2 pose = randomFreePose(world, car, random, 0.1);
+    EXPECT_TRUE(world.isFree({pose.x, pose.y}));
+    EXPECT_FALSE(overlaps(pose, car, world, {}, 0.0, 0.1));
+  }
+  // A way past that leads over unknown cells is none: there is room at the ends alone.
+  const World narrow(asciiMap("#####\n.....\n?????"));
+  for (int i = 0; i < 20; ++i) {
+    const Obstacle obstacle = scatterObstacles(narrow, 1, 0, {-9.0, 0.0, 0.0}, random).at(0);
+    EXPECT_GT(std::abs(obstacle.in_map.x - 2.5), 2.1);
   }
 }
 

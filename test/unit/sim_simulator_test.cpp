@@ -159,6 +159,18 @@ TEST(Simulator, LookingSeesWithoutFaultsAndChangesNothing) {
   EXPECT_EQ(numbers(looked.advance(0.1, {})), numbers(left_alone.advance(0.1, {})));
 }
 
+TEST(Simulator, TheLidarSeesThroughTheUnknownThatADriverTakesForAWall) {
+  const auto world = std::make_shared<const World>(asciiMap("......??#"));
+  SimulatorParameters exact;
+  exact.lidar.range_noise = 0.0;
+  exact.lidar.missing_rate = 0.0;
+  Simulator simulator(world, exact, {3.0, 0.5, 0.0}, 5);
+  EXPECT_NEAR(simulator.look().ranges[270], 6.0 - 3.27, 1e-6);
+  const LidarScan seen = only<LidarScan>(simulator.advance(0.024, {})).at(0);
+  EXPECT_NEAR(seen.ranges[540], 8.0 - 3.27, 1e-6);
+  EXPECT_EQ(seen.ranges[0], HUGE_VALF);  // out of the map
+}
+
 TEST(Simulator, RefusesCommandsThatAreNoNumbers) {
   Simulator simulator(room(), {}, kStart, 5);
   EXPECT_THROW(simulator.advance(0.1, {std::nan(""), 0.0}), ParameterError);

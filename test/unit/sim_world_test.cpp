@@ -95,6 +95,20 @@ TEST(World, InsideAWallTheRangeIsZeroAndUnknownIsOpen) {
   for (const double x : {0.5, 1.5, 3.5, 9.0, -1.0}) EXPECT_FALSE(world.isFree({x, 0.5})) << x;
 }
 
+TEST(World, AWayEndsWhereItIsNotKnownToBeFree) {
+  const World world(asciiMap("#?..?..", 1.0, {2.0, 3.0, kPi / 2}));  // columns run along y
+  const auto way = [&](double along, double yaw, double max_range = 100.0) {
+    return world.castWalls({1.5, 3.0 + along}, yaw, max_range, Ends::kWhereNotFree);
+  };
+  EXPECT_NEAR(way(2.5, kPi / 2), 1.5, 1e-12);
+  EXPECT_NEAR(way(2.5, -kPi / 2), 0.5, 1e-12);
+  EXPECT_NEAR(way(5.5, kPi / 2), 1.5, 1e-12);  // the grid's edge
+  EXPECT_EQ(way(5.5, kPi / 2, 1.4), kInfinity);
+  EXPECT_NEAR(way(5.5, 0.0), 0.5, 1e-12);
+  for (const double along : {-0.5, 0.5, 1.5, 4.5, 7.5}) EXPECT_EQ(way(along, 1.0), 0.0) << along;
+  EXPECT_EQ(world.castWalls({1.5, 5.5}, kPi / 2, 100.0), kInfinity);
+}
+
 TEST(World, AnythingThatIsNoNumberHitsNothing) {
   const World world(asciiMap("#.#"));
   EXPECT_EQ(world.castWalls({std::nan(""), 0.5}, 0.0, 10.0), kInfinity);
