@@ -9,10 +9,10 @@
 #include "racecar_mcl/errors.h"
 #include "racecar_mcl/require.h"
 #include "ros/node_parameters.h"
+#include "sim/driver.h"
 #include "sim/lap_counter.h"
 #include "sim/scene.h"
 #include "sim/simulator.h"
-#include "sim/wall_follower.h"
 
 namespace racecar_mcl {
 namespace {
@@ -109,13 +109,14 @@ void showProgress(const Options& o, const Drive& drive) {
 
 Drive driveAndRecord(const Options& o, sim::Simulator& simulator, Recording& recording) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
-  const sim::WallFollower follower(o.follower);
+  sim::Driver driver(o.follower);
   sim::LapCounter laps(simulator.truth().base_in_map);
   Drive drive;
   double lap_began = 0.0;
   for (long steps = 1;; ++steps) {
     const sim::Truth before = simulator.truth();
-    const sim::Command command = follower.follow(simulator.look(), before.twist.vx);
+    const sim::Command command =
+        driver.drive(simulator.look(), before.twist.vx, simulator.collided());
     for (const sim::Event& event : simulator.advance(kDriverPeriod, command)) {
       recording.write(event);
     }

@@ -12,9 +12,9 @@
 #include "racecar_mcl/localizer.h"
 #include "racecar_mcl/map_io.h"
 #include "racecar_mcl/scan_hold.h"
+#include "sim/driver.h"
 #include "sim/placement.h"
 #include "sim/simulator.h"
-#include "sim/wall_follower.h"
 
 namespace racecar_mcl {
 
@@ -47,7 +47,7 @@ class SimulatedDrive {
     sim::WallFollowerParameters follower;
     follower.speed = speed;
     follower.car = simulator.car;
-    follower_ = std::make_unique<sim::WallFollower>(follower);
+    driver_ = std::make_unique<sim::Driver>(follower);
   }
 
   Localizer& localizer() { return localizer_; }
@@ -63,7 +63,7 @@ class SimulatedDrive {
     const double end = simulator_.time() + seconds;
     while (simulator_.time() < end - kDriverPeriod / 2.0) {
       const double speed = simulator_.truth().twist.vx;
-      const sim::Command command = follower_->follow(simulator_.look(), speed);
+      const sim::Command command = driver_->drive(simulator_.look(), speed, simulator_.collided());
       for (const sim::Event& event : simulator_.advance(kDriverPeriod, command)) {
         if (const auto* truth = std::get_if<sim::Truth>(&event.data)) remember(*truth);
         if (const auto* sample = std::get_if<OdometrySample>(&event.data)) hear(*sample);
@@ -112,7 +112,7 @@ class SimulatedDrive {
 
   Localizer localizer_;
   sim::Simulator simulator_;
-  std::unique_ptr<sim::WallFollower> follower_;
+  std::unique_ptr<sim::Driver> driver_;
   std::deque<sim::Truth> truths_;
   ScanHold<Scan> hold_;
 };

@@ -50,7 +50,7 @@ SimulatorNode::SimulatorNode(ros::NodeHandle node, ros::NodeHandle private_node)
       scene_(sim::loadScene(parameters_.scene)),
       simulator_(scene_.world, parameters_.simulator, scene_.start_in_map, parameters_.scene.seed,
                  is_clock_ ? kFirstClock : ros::WallTime::now().toSec()),
-      follower_(parameters_.follower),
+      driver_(parameters_.follower),
       laps_(scene_.start_in_map),
       lap_began_(simulator_.time()),
       output_(node, private_node, parameters_, is_clock_) {
@@ -138,7 +138,7 @@ sim::Command SimulatorNode::nextCommand() {
     return *command_;
   }
   if (!follows) return {};
-  return follower_.follow(simulator_.look(), simulator_.truth().twist.vx);
+  return driver_.drive(simulator_.look(), simulator_.truth().twist.vx, simulator_.collided());
 }
 
 void SimulatorNode::countLaps() {
@@ -280,7 +280,7 @@ bool SimulatorNode::onReload(std_srvs::Trigger::Request&, std_srvs::Trigger::Res
     }
     const std::lock_guard<std::mutex> lock(mutex_);
     simulator_.setParameters(read.simulator);
-    follower_.setParameters(read.follower);
+    driver_.setParameters(read.follower);
     if (obstacles) simulator_.setObstacles(std::move(*obstacles));
     obstacles_changed_ = true;
     parameters_ = read;

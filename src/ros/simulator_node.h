@@ -26,6 +26,7 @@
 
 #include "ros/simulator_output.h"
 #include "ros/simulator_parameters.h"
+#include "sim/driver.h"
 #include "sim/lap_counter.h"
 
 namespace racecar_mcl {
@@ -74,7 +75,7 @@ class SimulatorNode {
   SimulatorNodeParameters parameters_;
   const sim::Scene scene_;
   sim::Simulator simulator_;
-  sim::WallFollower follower_;
+  sim::Driver driver_;
   sim::LapCounter laps_;
   double lap_began_;  ///< s
   std::optional<sim::Command> command_;

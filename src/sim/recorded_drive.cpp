@@ -14,10 +14,10 @@ std::vector<Event> recordDrive(const std::shared_ptr<const World>& world,
                                const WallFollowerParameters& driver, const Pose2& start_in_map,
                                double seconds, std::uint64_t seed) {
   Simulator car(world, simulator, start_in_map, seed);
-  const WallFollower follower(driver);
+  Driver at_the_wheel(driver);
   std::vector<Event> drive;
   while (car.time() < seconds - kDriverPeriod / 2.0) {
-    const Command command = follower.follow(car.look(), car.truth().twist.vx);
+    const Command command = at_the_wheel.drive(car.look(), car.truth().twist.vx, car.collided());
     std::vector<Event> events = car.advance(kDriverPeriod, command);
     drive.insert(drive.end(), std::make_move_iterator(events.begin()),
                  std::make_move_iterator(events.end()));

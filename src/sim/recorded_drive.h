@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "sim/driver.h"
 #include "sim/simulator.h"
-#include "sim/wall_follower.h"
 
 namespace racecar_mcl::sim {
 
