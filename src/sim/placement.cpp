@@ -12,7 +12,10 @@ constexpr double kReach = 12.0;       // m, how far walls are looked for
 constexpr double kBesideWall = 0.30;  // m, wall to the obstacle's centre at most
 constexpr double kPassage = 1.4;      // m, left free between the obstacle and what is opposite
 constexpr double kApart = 3.0;        // m, between obstacles, and from what is to be kept clear
+constexpr double kFromOthers = 1.2;   // m, from what stands already
 constexpr double kWalk = 2.0;         // m, length of a moving obstacle's path
+constexpr double kOffWall = 0.15;     // m, between a wall and a box that stands free, at least
+constexpr double kNearWall = 0.40;    // m, at most
 
 struct Wall {
   double yaw = 0.0;  // rad, direction to it
@@ -61,8 +64,32 @@ Pose2 randomFreePose(const World& world, const CarParameters& car, Random& rando
                  " random poses all touch a wall");
 }
 
+std::vector<Obstacle> standBoxes(const World& world, int count, const Pose2& keep_clear,
+                                 Random& random) {
+  std::vector<Obstacle> boxes;
+  for (int attempt = 0; attempt < kAttempts && static_cast<int>(boxes.size()) < count; ++attempt) {
+    const Eigen::Vector2d point = world.randomFreePoint(random);
+    const Wall wall = nearestWall(world, point);
+    Obstacle box;
+    box.shape = Obstacle::Shape::kBox;
+    box.length = random.uniform(0.25, 0.45);
+    box.width = random.uniform(0.25, 0.35);
+    box.in_map = {point.x(), point.y(), wrapAngle(random.uniform(-kPi, kPi))};
+    const double half = std::hypot(box.length, box.width) / 2.0;
+    const double opposite = world.castWalls(point, wall.yaw + kPi, kReach, Ends::kWhereNotFree);
+    const bool fits = wall.range >= half + kOffWall && wall.range <= half + kNearWall &&
+                      opposite >= half + kPassage && distance(box.in_map, keep_clear) > kApart &&
+                      std::all_of(boxes.begin(), boxes.end(), [&](const Obstacle& other) {
+                        return distance(box.in_map, other.in_map) > kApart;
+                      });
+    if (fits) boxes.push_back(box);
+  }
+  return boxes;
+}
+
 std::vector<Obstacle> scatterObstacles(const World& world, int count, int moving,
-                                       const Pose2& keep_clear, Random& random) {
+                                       const Pose2& keep_clear, Random& random,
+                                       const std::vector<Obstacle>& others) {
   std::vector<Obstacle> obstacles;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (static_cast<int>(obstacles.size()) >= count) return obstacles;
@@ -77,7 +104,12 @@ std::vector<Obstacle> scatterObstacles(const World& world, int count, int moving
     const double half = std::max({obstacle.radius, obstacle.width / 2.0, obstacle.length / 2.0});
     bool fits = true;
     for (double way = 0.0; fits && way <= (walks ? kWalk : 0.0); way += 0.1) {
-      fits = leavesPassage(world, point + way * direction, wall.yaw, half);
+      const Eigen::Vector2d there = point + way * direction;
+      fits = leavesPassage(world, there, wall.yaw, half) &&
+             std::all_of(others.begin(), others.end(), [&](const Obstacle& other) {
+               const Eigen::Vector2d place(other.in_map.x, other.in_map.y);
+               return (there - place).norm() > kFromOthers;
+             });
     }
     const auto isFar = [&](const Pose2& other, double walk) {
       return distance(obstacle.in_map, other) > kApart + walk + (walks ? kWalk : 0.0);

@@ -135,6 +135,10 @@ bool World::isFree(const Eigen::Vector2d& point) const {
   return contains(geometry_, cell) && cells_[index(cell)] == kFree;
 }
 
+double World::freeArea() const {
+  return static_cast<double>(free_.size()) * geometry_.resolution * geometry_.resolution;
+}
+
 bool World::isGlass(const Glass& glass, const Eigen::Vector2d& point) {
   if (glass.share <= 0.0) return false;
   const auto column = static_cast<std::int64_t>(std::floor(point.x() / glass.patch));

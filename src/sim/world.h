@@ -59,6 +59,9 @@ class World {
   /// Known to be free: not a wall, not unknown, not outside.
   bool isFree(const Eigen::Vector2d& point) const;
 
+  /// m^2 of known free space.
+  double freeArea() const;
+
   /// Whether the wall at `point` is glass.
   static bool isGlass(const Glass& glass, const Eigen::Vector2d& point);
 
