@@ -24,6 +24,8 @@ struct Obstacle {
   double speed = 0.0;       ///< m/s
   double start_time = 0.0;  ///< s, when it sets off from `path.front()`
 
+  bool keeps_clear = false;  ///< of the car, by itself: whoever drives that does not look at it
+
   /// Throws ParameterError, naming the field, on a size that is not positive or a number that is
   /// not finite.
   void validate() const;

@@ -1,6 +1,7 @@
 #include "sim/simulator.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "racecar_mcl/require.h"
 
@@ -122,7 +123,10 @@ LidarScan Simulator::look() const {
   faultless.ends = Ends::kWhereNotFree;
   faultless.laser_in_base = parameters_.lidar.laser_in_base;
   const Arc here{time(), time() + 1.0 / kTicksPerSecond, car_.base_in_map, {}};
-  return Lidar(faultless, 0, here.begin).measure(here, *world_, obstacles_).value();
+  std::vector<Obstacle> looked_at;
+  std::copy_if(obstacles_.begin(), obstacles_.end(), std::back_inserter(looked_at),
+               [](const Obstacle& obstacle) { return !obstacle.keeps_clear; });
+  return Lidar(faultless, 0, here.begin).measure(here, *world_, looked_at).value();
 }
 
 double Simulator::time() const {

@@ -65,8 +65,9 @@ class Simulator {
   void place(const Pose2& base_in_map);
 
   /// What a lidar without faults (no noise, no missing returns, no glass) would see from here at
-  /// once, were everything a wall that is not known to be free. A driver who looks with it drives
-  /// the same way whatever the sensors are set to.
+  /// once, were everything a wall that is not known to be free. Obstacles that keep clear of the
+  /// car are not looked at. A driver who looks with it drives the same way whatever the sensors are
+  /// set to.
   LidarScan look() const;
 
   double time() const;
