@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "racecar_mcl/localizer.h"
 #include "racecar_mcl/map_io.h"
+#include "racecar_mcl/scan_fit.h"
 #include "racecar_mcl/scan_hold.h"
 #include "sim/driver.h"
 #include "sim/placement.h"
@@ -33,7 +35,10 @@ inline Course loadCourse(const std::string& map_path, const LocalizerParameters&
 struct Observation {
   ScanResult result;
   Pose2 base_in_map;   ///< true, at the scan's stamp
-  double error = 0.0;  ///< m, of the estimate; meaningless where the scan was not used
+  double error = 0.0;  ///< m, of the estimate, carried on by odometry where the scan was not used;
+                       ///< +infinity where there is none
+  double explained_from_truth = 0.0;  ///< share of the beams that the map explains, seen from where
+                                      ///< the car truly was
 };
 
 class SimulatedDrive {
@@ -41,7 +46,8 @@ class SimulatedDrive {
   SimulatedDrive(const Course& course, const LocalizerParameters& parameters,
                  const sim::SimulatorParameters& simulator, const Pose2& start, double speed,
                  std::uint64_t seed)
-      : localizer_(parameters, seed),
+      : map_(course.map),
+        localizer_(parameters, seed),
         simulator_(course.world, simulator, start, seed + 1000, 100.0) {
     localizer_.setMap(course.map);
     sim::WallFollowerParameters follower;
@@ -57,11 +63,15 @@ class SimulatedDrive {
   std::function<bool(Scan*)> on_scan = [](Scan*) { return true; };
   std::function<bool(OdometrySample*)> on_odometry = [](OdometrySample*) { return true; };
 
+  /// What happens in the world before each look of the driver. By default nothing does.
+  std::function<void(sim::Simulator*)> before_look = [](sim::Simulator*) {};
+
   /// Drives on, and calls `visit(Observation)` after every scan.
   template <typename Visit>
   void drive(double seconds, Visit&& visit) {
     const double end = simulator_.time() + seconds;
     while (simulator_.time() < end - kDriverPeriod / 2.0) {
+      before_look(&simulator_);
       const double speed = simulator_.truth().twist.vx;
       const sim::Command command = driver_->drive(simulator_.look(), speed, simulator_.collided());
       for (const sim::Event& event : simulator_.advance(kDriverPeriod, command)) {
@@ -98,18 +108,44 @@ class SimulatedDrive {
       return interpolate(truths_[i - 1].base_in_map, truths_[i].base_in_map,
                          (stamp - truths_[i - 1].stamp) / period);
     }
-    return simulator_.truth().base_in_map;
+    const sim::Truth now = simulator_.truth();
+    if (truths_.empty() || stamp >= now.stamp) return now.base_in_map;
+    return interpolate(truths_.back().base_in_map, now.base_in_map,
+                       (stamp - truths_.back().stamp) / (now.stamp - truths_.back().stamp));
+  }
+
+  /// The share of the scan's beams that the map explains from where each was truly taken.
+  double explainedFromTruth(const Scan& scan) const {
+    const Pose2 base_in_map = truthAt(scan.stamp);
+    const Scan beams = chooseBeams(localizer_.parameters(), scan);
+    const Scan straight = deskew(
+        beams, [&](double seconds) { return between(base_in_map, truthAt(scan.stamp + seconds)); });
+    return fitScan(map_.get(), base_in_map, straight).explained;
+  }
+
+  std::optional<Pose2> estimateAfter(const ScanResult& result) const {
+    if (result.outcome == ScanOutcome::kUsed || result.outcome == ScanOutcome::kParked ||
+        result.outcome == ScanOutcome::kWeightsVanished) {
+      return result.update.estimate.base_in_map;
+    }
+    const std::optional<PoseEstimate> carried = localizer_.estimateAt(result.stamp);
+    if (!carried) return std::nullopt;
+    return carried->base_in_map;
   }
 
   Observation observe(const Scan& scan) {
     Observation observation;
     observation.result = localizer_.addScan(scan);
     observation.base_in_map = truthAt(scan.stamp);
-    observation.error =
-        distance(observation.result.update.estimate.base_in_map, observation.base_in_map);
+    observation.error = std::numeric_limits<double>::infinity();
+    if (const std::optional<Pose2> estimate = estimateAfter(observation.result)) {
+      observation.error = distance(*estimate, observation.base_in_map);
+    }
+    observation.explained_from_truth = explainedFromTruth(scan);
     return observation;
   }
 
+  std::shared_ptr<MapModel> map_;
   Localizer localizer_;
   sim::Simulator simulator_;
   std::unique_ptr<sim::Driver> driver_;
