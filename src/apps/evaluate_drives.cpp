@@ -1,32 +1,38 @@
-// What a localizer makes of trouble, on many simulated drives: whether it finds itself, how soon,
-// and whether its verdict tells. The numbers of bench/ are made with it.
+// What a localizer makes of trouble and of wrong maps, on many simulated drives: whether it finds
+// itself, how soon, how well it knows where it is, and whether its verdict tells. The numbers of
+// bench/ are made with it.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "evaluation/drive_watch.h"
 #include "evaluation/simulated_drive.h"
 #include "output_files.h"
 #include "parameter_options.h"
 #include "program.h"
+#include "sim/map_faults.h"
+#include "sim/map_files.h"
+#include "sim/traffic.h"
 
 namespace racecar_mcl {
 namespace {
 
-constexpr double kRight = 0.15;       // m
-constexpr double kWrong = 0.5;        // m
-constexpr double kClearance = 0.3;    // m, about the car where it starts
-constexpr double kFarAway = 2.0;      // m, that a kidnapped car is carried at least
-constexpr double kCoverRange = 0.05;  // m, where the beams of a covered lidar end
+constexpr double kClearance = 0.3;                 // m, about the car where it starts
+constexpr double kFarAway = 2.0;                   // m, that a kidnapped car is carried at least
+constexpr double kCoverRange = 0.05;               // m, where the beams of a covered lidar end
+constexpr std::uint64_t kFaultSeed = 0x6d6170ULL;  // parts the map's faults drawn from the rest
 
 enum class Trouble {
   kNone,
   kGlobalStart,
   kKidnap,
   kObstacles,
+  kCrowd,
+  kOpponent,
   kCovered,
   kFrozen,
   kScale,
@@ -36,6 +42,7 @@ enum class Trouble {
 const std::map<std::string, Trouble> kTroubles = {
     {"none", Trouble::kNone},         {"start", Trouble::kGlobalStart},
     {"kidnap", Trouble::kKidnap},     {"obstacles", Trouble::kObstacles},
+    {"crowd", Trouble::kCrowd},       {"opponent", Trouble::kOpponent},
     {"covered", Trouble::kCovered},   {"frozen_odometry", Trouble::kFrozen},
     {"wrong_scale", Trouble::kScale}, {"wrong_start", Trouble::kWrongStart},
 };
@@ -43,6 +50,7 @@ const std::map<std::string, Trouble> kTroubles = {
 struct Options {
   std::vector<std::string> maps;
   std::vector<std::string> troubles{"start"};
+  std::vector<std::string> faults{"none"};
   ParameterOptions parameters;
   int drives = 100;
   int seed = 1;
@@ -50,6 +58,7 @@ struct Options {
   double before = 4.0;  // s driven before the trouble
   double after = 8.0;   // s driven with it
   std::string out;
+  std::string maps_out;
   bool verbose = false;
 };
 
@@ -60,7 +69,13 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--trouble", o->troubles, "what happens on the drives")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  app->add_option("--drives", o->drives, "per map and trouble")
+  names.clear();
+  for (const auto& fault : sim::mapFaults()) names.push_back(fault.first);
+  app->add_option("--map-fault", o->faults,
+                  "what is wrong with the map that the localizer gets; each with each trouble")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app->add_option("--drives", o->drives, "per map, fault and trouble")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app->add_option("--seed", o->seed, "of the first drive; each has its own")->capture_default_str();
@@ -69,48 +84,18 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_option("--after", o->after, "s, driven with it")->capture_default_str();
   addParameterOptions(&o->parameters, app);
   app->add_option("--out", o->out, "a CSV file with a row per drive");
+  app->add_option("--write-map", o->maps_out,
+                  "a folder for the maps that the localizer gets, as YAML and PGM");
   app->add_flag("--verbose", o->verbose, "a line per scan");
 }
 
-/// What is seen of one drive, in s since its trouble began.
-class Watch {
- public:
-  void see(double seconds, const Observation& seen) {
-    const bool right = seen.error <= kWrong;
-    const bool trusted = seen.result.verdict.state == VerdictState::kLocalized;
-    const bool alarmed = seen.result.verdict.state == VerdictState::kDegraded ||
-                         seen.result.verdict.state == VerdictState::kLost;
-    ++scans;
-    right_scans += right ? 1 : 0;
-    false_alarms += right && alarmed ? 1 : 0;
-    if (right || !trusted) wrongly_trusted_since_.reset();
-    if (!right && trusted) {
-      if (!wrongly_trusted_since_) wrongly_trusted_since_ = last_seconds_;
-      longest_wrong_trust = std::max(longest_wrong_trust, seconds - *wrongly_trusted_since_);
-    }
-    last_seconds_ = seconds;
-    if (seconds < 0.0) return;
-    if (!trusted && !noticed) noticed = seconds;
-    if (!right) arrived.reset();
-    if (seen.error <= kRight && !arrived) arrived = seconds;
-  }
-
-  std::optional<double> arrived;     ///< the first error below 15 cm that none above 50 cm follows
-  std::optional<double> noticed;     ///< when it was first not trusted
-  double longest_wrong_trust = 0.0;  ///< localized, it said, while wrong by more than 50 cm
-  long scans = 0;
-  long right_scans = 0;
-  long false_alarms = 0;
-
- private:
-  double last_seconds_ = 0.0;
-  std::optional<double> wrongly_trusted_since_;
-};
-
-Pose2 somewhereElse(const Course& course, const Pose2& here, Random& random) {
+/// Clear of what stands there that no map shows.
+Pose2 somewhereElse(const Course& course, const Pose2& here,
+                    const std::vector<sim::Obstacle>& standing, Random& random) {
   for (;;) {
     const Pose2 pose = sim::randomFreePose(*course.world, {}, random, kClearance);
-    if (distance(pose, here) >= kFarAway) return pose;
+    if (distance(pose, here) < kFarAway) continue;
+    if (!sim::overlaps(pose, {}, *course.world, standing, 0.0, kClearance)) return pose;
   }
 }
 
@@ -120,16 +105,17 @@ PoseEstimate certainlyAt(const Pose2& pose) {
   return start;
 }
 
-void begin(Trouble trouble, const Course& course, Random& random, SimulatedDrive* drive) {
+void begin(Trouble trouble, const Course& course, const std::vector<sim::Obstacle>& standing,
+           Random& random, SimulatedDrive* drive) {
   sim::SimulatorParameters parameters = drive->simulator().parameters();
   switch (trouble) {
     case Trouble::kKidnap:
       drive->simulator().place(
-          somewhereElse(course, drive->simulator().truth().base_in_map, random));
+          somewhereElse(course, drive->simulator().truth().base_in_map, standing, random));
       break;
     case Trouble::kWrongStart:
-      drive->localizer().initialize(
-          certainlyAt(somewhereElse(course, drive->simulator().truth().base_in_map, random)));
+      drive->localizer().initialize(certainlyAt(
+          somewhereElse(course, drive->simulator().truth().base_in_map, standing, random)));
       break;
     case Trouble::kCovered:
       drive->on_scan = [](Scan* scan) {
@@ -152,16 +138,73 @@ void begin(Trouble trouble, const Course& course, Random& random, SimulatedDrive
   }
 }
 
-Watch driveThrough(Trouble trouble, const Course& course, const LocalizerParameters& parameters,
-                   const Options& options, std::uint64_t seed) {
-  Random random(seed);
-  const Pose2 pose = sim::randomFreePose(*course.world, {}, random, kClearance);
-  SimulatedDrive drive(course, parameters, {}, pose, options.speed, seed);
+/// Before each look of the driver `others(truth)` says what moves about besides what stands.
+template <typename Others>
+void surround(SimulatedDrive* drive, const std::vector<sim::Obstacle>& standing, Others others) {
+  drive->before_look = [standing, others](sim::Simulator* simulator) mutable {
+    std::vector<sim::Obstacle> all = others(simulator->truth());
+    all.insert(all.end(), standing.begin(), standing.end());
+    simulator->setObstacles(std::move(all));
+  };
+}
+
+/// What is about that no map shows, besides what stands in the world anyway.
+void fillWorld(Trouble trouble, const Course& course, const std::vector<sim::Obstacle>& standing,
+               std::uint64_t seed, Random& random, SimulatedDrive* drive) {
+  const Pose2 pose = drive->simulator().truth().base_in_map;
+  std::vector<sim::Obstacle> obstacles;
   if (trouble == Trouble::kObstacles) {
-    drive.simulator().setObstacles(sim::scatterObstacles(*course.world, 10, 4, pose, random));
+    obstacles = sim::scatterObstacles(*course.world, 10, 4, pose, random, standing);
   }
+  obstacles.insert(obstacles.end(), standing.begin(), standing.end());
+  drive->simulator().setObstacles(obstacles);
+  if (trouble == Trouble::kCrowd) {
+    surround(drive, standing,
+             [crowd = sim::Crowd(*course.world, pose, random)](const sim::Truth& car) mutable {
+               return crowd.walk(car.base_in_map, car.stamp);
+             });
+  }
+  if (trouble == Trouble::kOpponent) {
+    surround(
+        drive, standing,
+        [opponent = sim::Opponent(seed), world = course.world](const sim::Truth& car) mutable {
+          return std::vector<sim::Obstacle>{opponent.follow(car.base_in_map, car.stamp, *world)};
+        });
+  }
+}
+
+/// What is the same on all drives of a map and a fault.
+struct Setting {
+  std::string map_path;
+  std::string fault;
+  Course course;
+};
+
+/// "maps/track.yaml" and "grey" to "track_grey".
+std::string wrongMapName(const Setting& setting, std::uint64_t seed) {
+  return std::filesystem::path(setting.map_path).stem().string() + '_' + setting.fault + '_' +
+         std::to_string(seed);
+}
+
+DriveWatch driveThrough(Trouble trouble, const Setting& setting,
+                        const LocalizerParameters& parameters, const Options& options,
+                        std::uint64_t seed) {
+  Random random(seed);
+  Course course = setting.course;
+  const Pose2 pose = sim::randomFreePose(*course.world, {}, random, kClearance);
+  Random fault_random(seed ^ kFaultSeed);
+  const sim::WrongMap wrong = sim::makeWrongMap(
+      sim::mapFaults().at(setting.fault), course.map->grid, *course.world, pose, fault_random);
+  if (setting.fault != "none") course.map = makeMapModel(wrong.map, parameters);
+  if (!options.maps_out.empty()) {
+    const std::string name = wrongMapName(setting, seed);
+    writeFolder(options.maps_out, {{name + ".yaml", sim::toMapYaml(wrong.map, name + ".pgm")},
+                                   {name + ".pgm", sim::toPgm(wrong.map)}});
+  }
+  SimulatedDrive drive(course, parameters, {}, pose, options.speed, seed);
+  fillWorld(trouble, course, wrong.boxes, seed, random, &drive);
   double begun = drive.simulator().time();
-  Watch watch;
+  DriveWatch watch;
   const auto see = [&](const Observation& seen) {
     watch.see(seen.result.stamp - begun, seen);
     if (!options.verbose) return;
@@ -174,21 +217,21 @@ Watch driveThrough(Trouble trouble, const Course& course, const LocalizerParamet
     drive.localizer().initialize(certainlyAt(pose));
     begun += options.before;
     drive.drive(options.before, see);
-    begin(trouble, course, random, &drive);
+    begin(trouble, course, wrong.boxes, random, &drive);
   }
   drive.drive(options.after, see);
   return watch;
 }
 
-void report(const std::string& what, const std::vector<Watch>& watches) {
+void report(const std::string& what, const std::vector<DriveWatch>& watches) {
   const auto drives = static_cast<long>(watches.size());
   long arrived = 0, noticed = 0, trusted = 0, false_alarms = 0, right_scans = 0;
   std::vector<double> times;
-  for (const Watch& watch : watches) {
+  for (const DriveWatch& watch : watches) {
     times.push_back(watch.arrived.value_or(1e9));
     arrived += times.back() <= 5.0 ? 1 : 0;
     noticed += watch.noticed.value_or(1e9) <= 1.0 ? 1 : 0;
-    trusted += watch.longest_wrong_trust > 1.0 ? 1 : 0;
+    trusted += watch.wrongly_trusted.longest() > 1.0 ? 1 : 0;
     false_alarms += watch.false_alarms;
     right_scans += watch.right_scans;
   }
@@ -204,18 +247,73 @@ void report(const std::string& what, const std::vector<Watch>& watches) {
       100.0 * static_cast<double>(false_alarms) / static_cast<double>(std::max(1L, right_scans)));
 }
 
-constexpr const char* kTableHeader = "map,trouble,seed,localized,noticed,longest_wrong_trust\n";
+/// The errors of all drives together, since their trouble began.
+void reportErrors(const std::vector<DriveWatch>& watches) {
+  PositionErrors errors, errors_where_mapped;
+  double longest_lost = 0.0;
+  long far_off = 0;
+  for (const DriveWatch& watch : watches) {
+    errors.add(watch.errors);
+    errors_where_mapped.add(watch.errors_where_mapped);
+    longest_lost = std::max(longest_lost, watch.lost_while_right.longest());
+    far_off += watch.errors.max() > DriveWatch::kFarOff ? 1 : 0;
+  }
+  const double mapped = static_cast<double>(errors_where_mapped.count()) /
+                        static_cast<double>(std::max<std::size_t>(1, errors.count()));
+  std::printf(
+      "  error: mean %.3f m, 99 %% %.3f m, max %.3f m; mean %.3f m where mapped (%.1f %% of the "
+      "time); over 0.5 m %.2f %% of the time; ever over 2 m in %ld drives; called lost while right "
+      "for up to %.2f s\n",
+      errors.mean(), errors.quantile(0.99), errors.max(), errors_where_mapped.mean(),
+      100.0 * mapped, 100.0 * errors.shareAbove(DriveWatch::kWrong), far_off, longest_lost);
+}
 
-/// What became of a drive; times in s since the trouble began, empty where it never happened.
-std::string tableRow(const std::string& map, const std::string& trouble, int seed,
-                     const Watch& watch) {
-  const auto seconds = [](const std::optional<double>& value) {
+constexpr const char* kTableHeader =
+    "map,trouble,seed,localized,noticed,longest_wrong_trust,map_fault,mean_error,p99_error,"
+    "max_error,mean_error_where_mapped,wrong_share,longest_lost_while_right,ever_far_off\n";
+
+/// What became of a drive; times in s since the trouble began, empty where it never happened;
+/// errors in m.
+std::string tableRow(const Setting& setting, const std::string& trouble, int seed,
+                     const DriveWatch& watch) {
+  std::string row = setting.map_path + ',' + trouble + ',' + std::to_string(seed);
+  const auto add = [&](const std::optional<double>& value) {
     char text[32] = "";
     if (value) std::snprintf(text, sizeof(text), "%.3f", *value);
-    return std::string(text);
+    row += std::string(",") + text;
   };
-  return map + ',' + trouble + ',' + std::to_string(seed) + ',' + seconds(watch.arrived) + ',' +
-         seconds(watch.noticed) + ',' + seconds(watch.longest_wrong_trust) + '\n';
+  const PositionErrors& errors = watch.errors;
+  const PositionErrors& mapped = watch.errors_where_mapped;
+  add(watch.arrived);
+  add(watch.noticed);
+  add(watch.wrongly_trusted.longest());
+  row += ',' + setting.fault;
+  add(errors.mean());
+  add(errors.quantile(0.99));
+  add(errors.max());
+  add(mapped.count() > 0 ? std::optional<double>(mapped.mean()) : std::nullopt);
+  add(errors.shareAbove(DriveWatch::kWrong));
+  add(watch.lost_while_right.longest());
+  return row + ',' + (errors.max() > DriveWatch::kFarOff ? '1' : '0') + '\n';
+}
+
+std::string nameOf(const Setting& setting, const std::string& trouble) {
+  const std::string wrong_map = setting.fault == "none" ? "" : ", map " + setting.fault;
+  return setting.map_path + wrong_map + ", " + trouble;
+}
+
+/// A line for a drive that is worth a look.
+void tell(const Setting& setting, const std::string& trouble, int seed, const DriveWatch& watch,
+          bool verbose) {
+  const std::string drive = nameOf(setting, trouble) + ", seed " + std::to_string(seed);
+  const double trusted = watch.wrongly_trusted.longest();
+  if (verbose || trusted > 1.0) {
+    std::printf("  %s: wrongly trusted for %.2f s\n", drive.c_str(), trusted);
+  }
+  if (!watch.arrived && (trouble == "start" || trouble == "kidnap")) {
+    std::printf("  %s: not localized\n", drive.c_str());
+  }
+  std::fflush(stdout);
 }
 
 void run(const Options& options) {
@@ -227,26 +325,23 @@ void run(const Options& options) {
   };
   keepTable();
   for (const std::string& map : options.maps) {
-    const Course course = loadCourse(map, parameters);
-    for (const std::string& name : options.troubles) {
-      std::vector<Watch> watches;
-      for (int i = 0; i < options.drives; ++i) {
-        const auto seed = static_cast<std::uint64_t>(options.seed + i);
-        watches.push_back(driveThrough(kTroubles.at(name), course, parameters, options, seed));
-        const Watch& watch = watches.back();
-        table += tableRow(map, name, options.seed + i, watch);
-        keepTable();
-        if (options.verbose || watch.longest_wrong_trust > 1.0) {
-          std::printf("  %s, %s, seed %d: wrongly trusted for %.2f s\n", map.c_str(), name.c_str(),
-                      options.seed + i, watch.longest_wrong_trust);
+    Setting setting{map, "", loadCourse(map, parameters)};
+    for (const std::string& fault : options.faults) {
+      setting.fault = fault;
+      for (const std::string& trouble : options.troubles) {
+        std::vector<DriveWatch> watches;
+        for (int i = 0; i < options.drives; ++i) {
+          const int seed = options.seed + i;
+          watches.push_back(driveThrough(kTroubles.at(trouble), setting, parameters, options,
+                                         static_cast<std::uint64_t>(seed)));
+          table += tableRow(setting, trouble, seed, watches.back());
+          keepTable();
+          tell(setting, trouble, seed, watches.back(), options.verbose);
         }
-        if (!watch.arrived && (name == "start" || name == "kidnap")) {
-          std::printf("  %s, %s, seed %d: not localized\n", map.c_str(), name.c_str(),
-                      options.seed + i);
-        }
+        report(nameOf(setting, trouble), watches);
+        reportErrors(watches);
         std::fflush(stdout);
       }
-      report(map + ", " + name, watches);
     }
   }
 }
@@ -257,6 +352,7 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   return racecar_mcl::runProgram(
       argc, argv, "evaluate_drives",
-      "Simulated drives with trouble: whether the localizer finds itself, and says so.",
+      "Simulated drives with trouble and wrong maps: whether the localizer finds itself, and says "
+      "so.",
       racecar_mcl::addOptions, racecar_mcl::run);
 }

@@ -152,6 +152,24 @@ class Experiments(unittest.TestCase):
             with self.assertRaisesRegex(EvaluationError, "none/drives.csv: cannot be written"):
                 programs.run("evaluate_drives", [*arguments, "--out", Path(folder) / "none/drives.csv"])
 
+    def testDrivesWithWrongMapsTellTheErrorsAndKeepTheMaps(self):
+        with tempfile.TemporaryDirectory() as folder:
+            table, maps = Path(folder) / "drives.csv", Path(folder) / "maps"
+            programs.run("evaluate_drives",
+                         ["--map", programs.ROOT / "maps/track.yaml", "--trouble", "none", "opponent", "--map-fault", "none",
+                          "distorted", "--drives", 1, "--before", 0.5, "--after", 1, "--out", table, "--write-map", maps])
+            with open(table, newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual([(row["map_fault"], row["trouble"]) for row in rows],
+                             [(fault, trouble) for fault in ("none", "distorted") for trouble in ("none", "opponent")])
+            for row in rows:
+                self.assertLessEqual(float(row["mean_error"]), float(row["p99_error"]))
+                self.assertLessEqual(float(row["p99_error"]), float(row["max_error"]))
+                self.assertEqual(row["mean_error"], row["mean_error_where_mapped"])
+                self.assertEqual((row["wrong_share"], row["ever_far_off"]), ("0.000", "0"))
+            self.assertEqual(sorted(path.name for path in maps.iterdir()),
+                             [f"track_{fault}_1.{kind}" for fault in ("distorted", "none") for kind in ("pgm", "yaml")])
+
 
 if __name__ == "__main__":
     rosunit.unitrun("racecar_mcl", "evaluation_programs_test", "__main__", sysargs=sys.argv)
