@@ -25,7 +25,7 @@ struct GlobalSearchParameters {
 void validate(const GlobalSearchParameters& parameters);
 
 /// The likelihood field that tells places apart: wider than one that measures a pose to the
-/// centimetre, and content with a beam that ends anywhere within a thick wall.
+/// centimetre, and content with a beam that ends anywhere within a blurred wall.
 LikelihoodFieldParameters fieldOfPlaces(const GlobalSearchParameters& parameters);
 
 /// A lattice of poses over the free cells of a map, compared with a scan from coarse to fine.
@@ -36,6 +36,9 @@ LikelihoodFieldParameters fieldOfPlaces(const GlobalSearchParameters& parameters
 class GlobalSearch {
  public:
   GlobalSearch(const OccupancyGrid& grid, const GlobalSearchParameters& parameters);
+  /// The same, with what freeCells and findSurfaces gave of the grid.
+  GlobalSearch(const GridGeometry& geometry, const std::vector<Cell>& free_cells,
+               const Surfaces& surfaces, const GlobalSearchParameters& parameters);
 
   /// `count` poses of the car, equally likely, from where it could have seen the scan. They are
   /// drawn from the lattice by how well they fit, jittered within its cells, and drawn again by the
@@ -59,7 +62,7 @@ class GlobalSearch {
   };
 
   void layLattice(const std::vector<Cell>& free_cells);
-  void buildCoarseField(const std::vector<float>& obstacle_distances);
+  void buildCoarseField(const std::vector<float>& surface_distances);
   std::vector<std::ptrdiff_t> endOffsets(const Scan& beams, double yaw_in_grid) const;
   Eigen::ArrayXf coarseScores(const Scan& beams) const;
   ParticleSet bestOfLattice(const Eigen::ArrayXf& scores) const;

@@ -8,6 +8,7 @@
 #include "racecar_mcl/occupancy_grid.h"
 #include "racecar_mcl/range_caster.h"
 #include "racecar_mcl/scan.h"
+#include "racecar_mcl/surfaces.h"
 
 namespace racecar_mcl {
 
@@ -17,8 +18,8 @@ struct LikelihoodFieldParameters {
   double field_max_range = 30.0;  ///< m, longer beams and those without a return are not weighed
   double field_squash = 6.5;      ///< a particle's weight is the product of its beams to the power
                                   ///< 1 / this
-  double field_inside = 0.1;  ///< what a metre behind the surface of a thick wall (0.45 m and more)
-                              ///< counts against one in front of it, in [0, 1]
+  double field_inside = 0.1;  ///< what a metre behind the surface of a blurred wall counts against
+                              ///< one in front of it, in [0, 1]
 };
 
 /// Throws ParameterError on a value out of range.
@@ -28,24 +29,33 @@ void validate(const LikelihoodFieldParameters& parameters);
 ///
 ///   log((1 - field_rand) / (1 + (d / field_sigma)^2) + field_rand).
 ///
-/// Surfaces are the obstacle cells that touch free space, for those alone a lidar sees; inside a
-/// wall drawn 0.45 m thick or more d counts field_inside of its length, for the true surface may
-/// lie anywhere in there. The values are stored per cell and interpolated between cell centres, so
-/// that the result does not jump from cell to cell. The tails are a Cauchy's, not a Gaussian's:
-/// maps are wrong by more than their lidar's noise. A beam that ends outside the map, by more than
-/// four field_sigma, counts as field_rand.
+/// Surfaces are what findSurfaces gives; inside a blurred wall d counts field_inside of its length,
+/// for the true surface may lie anywhere in there. The values are stored per cell and interpolated
+/// between cell centres, so that the result does not jump from cell to cell. The tails are a
+/// Cauchy's, not a Gaussian's: maps are wrong by more than their lidar's noise. A beam that ends
+/// outside the map, by more than four field_sigma, counts as field_rand.
 class LikelihoodField {
  public:
   LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);
+  /// The same, with what findSurfaces gave of the grid.
+  LikelihoodField(const GridGeometry& geometry, const Surfaces& surfaces,
+                  const LikelihoodFieldParameters& parameters);
 
   /// The squashed log-likelihood of one scan from each of N lidar poses (map frame): N values.
   void logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
                      Eigen::Ref<Eigen::ArrayXd> log_likelihood) const;
 
   /// Of each beam alone, not squashed; NaN where it is not weighed.
+  void beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams,
+                          Eigen::Ref<Eigen::ArrayXf> log_likelihoods) const;
   Eigen::ArrayXf beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams) const;
   /// Of a beam that ends `distance` m from the nearest surface.
   double logLikelihoodAt(double distance) const;
+  /// m, the distance from the nearest surface of a beam with this log-likelihood.
+  double distanceOf(double log_likelihood) const;
+
+  /// The exponent of a particle's weight is 1 / this.
+  double squash() const { return parameters_.field_squash; }
 
   std::size_t memoryBytes() const { return log_field_.size() * sizeof(float); }
 

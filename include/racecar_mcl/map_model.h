@@ -42,8 +42,8 @@ struct MapModel {
 };
 
 /// Throws MapError for a map without a free cell. A caster.max_range of 0 takes the range of the
-/// sensor table; less than that is a ParameterError, for expected ranges would end before measured
-/// ones.
+/// sensor model: field_max_range, or that of the sensor table. With the beam model less than that
+/// is a ParameterError, for expected ranges would end before measured ones.
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameters& sensor);
 
 }  // namespace racecar_mcl

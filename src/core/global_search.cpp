@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "racecar_mcl/distance_field.h"
 #include "racecar_mcl/require.h"
@@ -66,13 +67,19 @@ LikelihoodFieldParameters fieldOfPlaces(const GlobalSearchParameters& parameters
 }
 
 GlobalSearch::GlobalSearch(const OccupancyGrid& grid, const GlobalSearchParameters& parameters)
+    : GlobalSearch(grid.geometry(), freeCells(grid), findSurfaces(grid), parameters) {}
+
+GlobalSearch::GlobalSearch(const GridGeometry& geometry, const std::vector<Cell>& free_cells,
+                           const Surfaces& surfaces, const GlobalSearchParameters& parameters)
     : parameters_((validate(parameters), parameters)),
-      field_(grid, fieldOfPlaces(parameters)),
-      map_(grid.geometry()),
+      field_(geometry, surfaces, fieldOfPlaces(parameters)),
+      map_(geometry),
       directions_(std::max(1L, std::lround(2.0 * kPi / parameters.search_yaw_spacing))) {
-  layLattice(freeCells(grid));
-  buildCoarseField(
-      obstacleDistances(obstacleMask(grid, UnknownIs::kFree), map_.width, map_.height));
+  layLattice(free_cells);
+  std::vector<std::uint8_t> ends(surfaces.visible.size());
+  std::transform(surfaces.visible.begin(), surfaces.visible.end(), surfaces.blurred.begin(),
+                 ends.begin(), std::bit_or<std::uint8_t>());
+  buildCoarseField(obstacleDistances(ends, map_.width, map_.height));
 }
 
 void GlobalSearch::layLattice(const std::vector<Cell>& free_cells) {
@@ -104,7 +111,7 @@ void GlobalSearch::layLattice(const std::vector<Cell>& free_cells) {
   }
 }
 
-void GlobalSearch::buildCoarseField(const std::vector<float>& obstacle_distances) {
+void GlobalSearch::buildCoarseField(const std::vector<float>& surface_distances) {
   // No end of a beam needs to be farther away than beyond the map from everywhere on it.
   margin_ = static_cast<int>(std::min(std::ceil(parameters_.search_max_range / spacing()) + 1.0,
                                       static_cast<double>(std::max(width_, height_))));
@@ -116,9 +123,9 @@ void GlobalSearch::buildCoarseField(const std::vector<float>& obstacle_distances
     for (int column = 0; column < width_; ++column) {
       const int map_column = std::min(column * stride_ + stride_ / 2, map_.width - 1);
       const int map_row = std::min(row * stride_ + stride_ / 2, map_.height - 1);
-      const float cells = obstacle_distances[static_cast<std::size_t>(map_row) *
-                                                 static_cast<std::size_t>(map_.width) +
-                                             static_cast<std::size_t>(map_column)];
+      const float cells = surface_distances[static_cast<std::size_t>(map_row) *
+                                                static_cast<std::size_t>(map_.width) +
+                                            static_cast<std::size_t>(map_column)];
       const double spacings = static_cast<double>(cells) / stride_;
       coarse_field_[coarseIndex({column, row})] = static_cast<float>(
           std::log((1.0 - kCoarseRand) / (1.0 + spacings * spacings) + kCoarseRand));

@@ -17,73 +17,21 @@ namespace {
 constexpr double kMarginSigmas = 4.0;
 constexpr double kWidestMargin = 200.0;  // cells
 
-// A wall at least this thick, m, is drawn thicker than lidars see walls: its true surface may lie
-// anywhere inside. Thinner ones are as sharp as the cells.
-constexpr double kThickWall = 0.45;
-
-/// A grid's obstacles with a margin of free cells around it, row by row.
-struct Obstacles {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> all;
-  std::vector<std::uint8_t> surfaces;  ///< those that share a side with a free cell: across
-                                       ///< corners, slanting walls would be two cells thick
-};
-
-bool touchesFreeSpace(const OccupancyGrid& grid, int column, int row) {
-  return grid.isFree({column - 1, row}) || grid.isFree({column + 1, row}) ||
-         grid.isFree({column, row - 1}) || grid.isFree({column, row + 1});
-}
-
-Obstacles findObstacles(const OccupancyGrid& grid, int margin) {
-  const GridGeometry& geometry = grid.geometry();
-  Obstacles obstacles;
-  obstacles.width = geometry.width + 2 * margin;
-  obstacles.height = geometry.height + 2 * margin;
-  const auto size =
-      static_cast<std::size_t>(obstacles.width) * static_cast<std::size_t>(obstacles.height);
-  obstacles.all.assign(size, 0);
-  obstacles.surfaces.assign(size, 0);
-  // A beam that ends in unknown space has met something the map does not know, whatever rays do
-  // there.
-  const std::vector<std::uint8_t> mask = obstacleMask(grid, UnknownIs::kFree);
-  bool any_surface = false;
+/// A mask with a margin of zeros around it, row by row.
+std::vector<std::uint8_t> withMargin(const std::vector<std::uint8_t>& mask,
+                                     const GridGeometry& geometry, int margin) {
+  const auto width = static_cast<std::size_t>(geometry.width);
+  const std::size_t padded_width = width + 2 * static_cast<std::size_t>(margin);
+  std::vector<std::uint8_t> padded(
+      padded_width * static_cast<std::size_t>(geometry.height + 2 * margin), 0);
   for (int row = 0; row < geometry.height; ++row) {
-    for (int column = 0; column < geometry.width; ++column) {
-      const auto in_map = static_cast<std::size_t>(row) * static_cast<std::size_t>(geometry.width) +
-                          static_cast<std::size_t>(column);
-      if (mask[in_map] == 0) continue;
-      const auto i =
-          static_cast<std::size_t>(row + margin) * static_cast<std::size_t>(obstacles.width) +
-          static_cast<std::size_t>(column + margin);
-      obstacles.all[i] = 1;
-      obstacles.surfaces[i] = touchesFreeSpace(grid, column, row) ? 1 : 0;
-      any_surface |= obstacles.surfaces[i] != 0;
-    }
+    std::copy_n(
+        mask.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * width), width,
+        padded.begin() +
+            static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row + margin) * padded_width) +
+            margin);
   }
-  // Walls drawn within the unknown show no surface; then each of their cells stands for one.
-  if (!any_surface) obstacles.surfaces = obstacles.all;
-  return obstacles;
-}
-
-/// The obstacle cells of thick walls: those near a cell as deep inside as half of such a wall.
-std::vector<std::uint8_t> insideThickWalls(const Obstacles& obstacles, double resolution) {
-  const float half = static_cast<float>(0.5 * kThickWall / resolution);  // cells
-  const std::size_t size = obstacles.all.size();
-  std::vector<std::uint8_t> open(size), cores(size), inside(size, 0);
-  for (std::size_t i = 0; i < size; ++i) open[i] = obstacles.all[i] == 0 ? 1 : 0;
-  const std::vector<float> depth = obstacleDistances(open, obstacles.width, obstacles.height);
-  bool any_core = false;
-  for (std::size_t i = 0; i < size; ++i) {
-    cores[i] = obstacles.all[i] != 0 && depth[i] >= half ? 1 : 0;
-    any_core |= cores[i] != 0;
-  }
-  if (!any_core) return inside;
-  const std::vector<float> to_core = obstacleDistances(cores, obstacles.width, obstacles.height);
-  for (std::size_t i = 0; i < size; ++i) {
-    inside[i] = obstacles.all[i] != 0 && to_core[i] < 1.5f * half ? 1 : 0;
-  }
-  return inside;
+  return padded;
 }
 
 /// The field as the inner loops see it.
@@ -216,24 +164,27 @@ void validate(const LikelihoodFieldParameters& p) {
 
 LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
                                  const LikelihoodFieldParameters& parameters)
-    : parameters_(parameters),
-      geometry_(grid.geometry()),
+    : LikelihoodField(grid.geometry(), findSurfaces(grid), parameters) {}
+
+LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& surfaces,
+                                 const LikelihoodFieldParameters& parameters)
+    : parameters_((validate(parameters), parameters)),
+      geometry_(geometry),
       max_range_(static_cast<float>(parameters.field_max_range)),
       squash_(static_cast<float>(1.0 / parameters.field_squash)),
       log_rand_(static_cast<float>(std::log(parameters.field_rand))) {
-  validate(parameters);
   const double cells_per_sigma = parameters.field_sigma / geometry_.resolution;
   const int margin =
       static_cast<int>(std::ceil(std::min(kMarginSigmas * cells_per_sigma, kWidestMargin)));
   const double shift = -margin * geometry_.resolution;
   geometry_.origin = compose(geometry_.origin, {shift, shift, 0.0});
-  const Obstacles obstacles = findObstacles(grid, margin);
-  geometry_.width = obstacles.width;
-  geometry_.height = obstacles.height;
-  log_field_ = obstacleDistances(obstacles.surfaces, geometry_.width, geometry_.height);
-  const std::vector<std::uint8_t> inside = insideThickWalls(obstacles, geometry_.resolution);
+  geometry_.width += 2 * margin;
+  geometry_.height += 2 * margin;
+  log_field_ = obstacleDistances(withMargin(surfaces.visible, geometry, margin), geometry_.width,
+                                 geometry_.height);
+  const std::vector<std::uint8_t> blurred = withMargin(surfaces.blurred, geometry, margin);
   for (std::size_t i = 0; i < log_field_.size(); ++i) {
-    const double share = inside[i] != 0 ? parameters.field_inside : 1.0;
+    const double share = blurred[i] != 0 ? parameters.field_inside : 1.0;
     const double distance = share * static_cast<double>(log_field_[i]) * geometry_.resolution;
     log_field_[i] = static_cast<float>(logLikelihoodAt(distance));
   }
@@ -245,10 +196,22 @@ double LikelihoodField::logLikelihoodAt(double distance) const {
                   parameters_.field_rand);
 }
 
+double LikelihoodField::distanceOf(double log_likelihood) const {
+  const double above_rand = std::exp(log_likelihood) - parameters_.field_rand;
+  const double ratio = (1.0 - parameters_.field_rand) / std::max(1e-12, above_rand);
+  return parameters_.field_sigma * std::sqrt(std::max(0.0, ratio - 1.0));
+}
+
 Eigen::ArrayXf LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map,
                                                    const Scan& beams) const {
-  Eigen::ArrayXf log_likelihoods =
-      Eigen::ArrayXf::Constant(beams.size(), std::numeric_limits<float>::quiet_NaN());
+  Eigen::ArrayXf log_likelihoods(beams.size());
+  beamLogLikelihoods(lidar_in_map, beams, log_likelihoods);
+  return log_likelihoods;
+}
+
+void LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams,
+                                         Eigen::Ref<Eigen::ArrayXf> log_likelihoods) const {
+  log_likelihoods.setConstant(std::numeric_limits<float>::quiet_NaN());
   const FieldView field(log_field_, geometry_, log_rand_);
   for (Eigen::Index first = 0; first < beams.size();) {
     const EndPoints ends(beams, first, max_range_, geometry_.resolution);
@@ -259,7 +222,6 @@ Eigen::ArrayXf LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map,
     });
     for (int k = 0; k < ends.count; ++k) log_likelihoods[ends.index[k]] = values[k];
   }
-  return log_likelihoods;
 }
 
 void LikelihoodField::logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,

@@ -1,0 +1,72 @@
+#include "racecar_mcl/surfaces.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "racecar_mcl/distance_field.h"
+
+namespace racecar_mcl {
+namespace {
+
+constexpr double kBlurredFrom = 0.45;  // m, thickness of a wall
+constexpr double kFilledFrom = 1.3;    // m
+
+bool isVisible(const OccupancyGrid& grid, const Cell& cell) {
+  constexpr Cell kSides[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  return std::any_of(std::begin(kSides), std::end(kSides), [&](const Cell& side) {
+    const Cell beside{cell.column + side.column, cell.row + side.row};
+    const Cell beyond{beside.column + side.column, beside.row + side.row};
+    return grid.isFree(beside) || (grid.at(beside) < 0 && grid.isFree(beyond));
+  });
+}
+
+std::vector<std::uint8_t> visibleObstacles(const OccupancyGrid& grid,
+                                           const std::vector<std::uint8_t>& obstacles) {
+  std::vector<std::uint8_t> visible(obstacles.size(), 0);
+  std::size_t i = 0;
+  for (int row = 0; row < grid.geometry().height; ++row) {
+    for (int column = 0; column < grid.geometry().width; ++column, ++i) {
+      visible[i] = obstacles[i] != 0 && isVisible(grid, {column, row}) ? 1 : 0;
+    }
+  }
+  const bool none = std::none_of(visible.begin(), visible.end(), [](auto v) { return v != 0; });
+  return none ? obstacles : visible;
+}
+
+/// The obstacle cells of walls at least this thick (m): those near a cell as deep inside as half of
+/// such a wall. `depth`: of each cell below the obstacles' edge, in cells.
+std::vector<std::uint8_t> thickerThan(double thickness, const std::vector<std::uint8_t>& obstacles,
+                                      const std::vector<float>& depth,
+                                      const GridGeometry& geometry) {
+  const auto half = static_cast<float>(0.5 * thickness / geometry.resolution);  // cells
+  const std::size_t size = obstacles.size();
+  std::vector<std::uint8_t> cores(size);
+  for (std::size_t i = 0; i < size; ++i) cores[i] = obstacles[i] != 0 && depth[i] >= half ? 1 : 0;
+  const std::vector<float> to_core = obstacleDistances(cores, geometry.width, geometry.height);
+  std::vector<std::uint8_t> thick(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    thick[i] = obstacles[i] != 0 && to_core[i] < 1.5f * half ? 1 : 0;
+  }
+  return thick;
+}
+
+}  // namespace
+
+Surfaces findSurfaces(const OccupancyGrid& grid) {
+  const GridGeometry& geometry = grid.geometry();
+  const std::vector<std::uint8_t> obstacles = obstacleMask(grid, UnknownIs::kFree);
+  Surfaces surfaces{visibleObstacles(grid, obstacles), {}};
+
+  std::vector<std::uint8_t> open(obstacles.size());
+  std::transform(obstacles.begin(), obstacles.end(), open.begin(),
+                 [](std::uint8_t obstacle) { return obstacle == 0 ? 1 : 0; });
+  const std::vector<float> depth = obstacleDistances(open, geometry.width, geometry.height);
+  surfaces.blurred = thickerThan(kBlurredFrom, obstacles, depth, geometry);
+  const std::vector<std::uint8_t> filled = thickerThan(kFilledFrom, obstacles, depth, geometry);
+  for (std::size_t i = 0; i < filled.size(); ++i) {
+    if (filled[i] != 0) surfaces.blurred[i] = 0;
+  }
+  return surfaces;
+}
+
+}  // namespace racecar_mcl
