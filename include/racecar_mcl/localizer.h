@@ -9,12 +9,16 @@
 #include <optional>
 #include <string>
 
+#include "racecar_mcl/hypothesis_verifier.h"
+#include "racecar_mcl/lidar_odometry.h"
 #include "racecar_mcl/odometry.h"
 #include "racecar_mcl/odometry_calibration.h"
 #include "racecar_mcl/odometry_doubt.h"
 #include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/protection_level.h"
+#include "racecar_mcl/range_bias.h"
+#include "racecar_mcl/recovery_policy.h"
 #include "racecar_mcl/scan.h"
-#include "racecar_mcl/second_opinion.h"
 #include "racecar_mcl/sweep_order.h"
 #include "racecar_mcl/verdict.h"
 
@@ -31,11 +35,13 @@ struct LocalizerParameters {
   SensorParameters sensor;
   OdometryParameters odometry;
   OdometryCalibrationParameters calibration;
+  RangeBiasParameters range_bias;
   double map_error_distance = 1.5;  ///< m; scans closer together than this times the share of
                                     ///< beams that the map fails to explain err alike and count in
                                     ///< part
   bool noise_adaptation = true;     ///< more motion noise while scans contradict the odometry
   VerdictParameters verdict;
+  ProtectionLevelParameters protection;
   int num_beams_per_particle = 240;
   double scan_field_of_view = 6.2832;  ///< rad, beams outside are not used
   BeamLayout beam_layout = BeamLayout::kBoxed;
@@ -44,8 +50,9 @@ struct LocalizerParameters {
   bool deskew = true;            ///< correct for the car's motion during the sweep
   SweepOrderFrom sweep_order = SweepOrderFrom::kLearned;  ///< in which the beams were taken
   bool global_search = true;   ///< a global start begins where the first scan fits, not evenly
-  bool second_opinion = true;  ///< believe a search of the map when a second one agrees
-  bool recovery = true;        ///< search the map again when scans are explained badly
+  bool second_opinion = true;  ///< trust a search of the map once a second one agrees
+  bool lidar_odometry = true;  ///< while the map is silent, match scans with the scans before them
+  bool recovery = true;        ///< search the map for another place while scans contradict it
   bool reject_short_returns = false;  ///< leave out beams that something unmapped stopped, while
                                       ///< localized
   int parked_updates =
@@ -81,8 +88,10 @@ std::string describe(ScanOutcome outcome);
 /// What became of one scan.
 struct ScanResult {
   ScanOutcome outcome = ScanOutcome::kNoMap;
-  double stamp = 0.0;  ///< s, the scan's
-  Verdict verdict;     ///< on the estimate, whatever became of the scan
+  double stamp = 0.0;       ///< s, the scan's
+  Verdict verdict;          ///< on the estimate, whatever became of the scan
+  ScanFit fit;              ///< from the estimate, where there is one
+  double range_bias = 0.0;  ///< m, that was taken from the ranges
   UpdateResult
       update;  ///< filled when outcome is kUsed or kWeightsVanished; the estimate also when kParked
 };
@@ -111,18 +120,21 @@ class Localizer {
     Scan beams;                    ///< chosen and deskewed
     std::optional<Scan> mirrored;  ///< the same, had they been taken the other way about
     Motion motion;                 ///< since the scan before
+    PoseEstimate before;           ///< at the scan before
     PoseEstimate predicted;        ///< at the scan's stamp, by odometry alone
     Pose2 correction;              ///< where the scan put the car, seen from `predicted`
-    ScanFit fit;                   ///< from the estimate
     double repeat_distance = 0.0;  ///< m; scans closer together than that err alike
     double turned = 0.0;           ///< rad, during the sweep
     double order_log_odds = 0.0;   ///< of `beams` against `mirrored`, from the estimate
     bool weigh = false;
-    bool reject_short = false;  ///< leave short returns out of the weighing
-    bool search = false;        ///< start where the scan fits
-    bool recover = false;       ///< put particles where the scan fits better, if it does
-    bool recovered = false;     ///< it did, or a second search was believed instead
-    bool asked = false;         ///< a second search has begun
+    bool reject_short = false;   ///< leave short returns out of the weighing
+    bool carry = false;          ///< the map is silent: refine the motion by the scans before
+    bool search = false;         ///< start where the scan fits
+    bool challenge = false;      ///< look for a place that explains what this one contradicts
+    bool was_localized = false;  ///< at any time since the start
+    bool recovered = false;      ///< another place was proven and taken
+    bool rejected = false;       ///< a search for another place has come to nothing
+    bool asked = false;          ///< a second search has begun
 
     /// To another place: `correction` says nothing of the way there.
     bool moved() const { return search || recovered; }
@@ -170,6 +182,8 @@ class Localizer {
   std::optional<double> newestStamp() const;
   /// The order in which the lidar takes its beams, as far as it is known.
   const SweepOrder& sweepOrder() const { return sweep_order_; }
+  /// m, ranges measured less distances mapped, as far as it is known.
+  double rangeBias() const { return range_bias_.bias(); }
   /// The newest odometry twist; zero before the first.
   Twist2 twist() const { return odometry_.empty() ? Twist2{} : odometry_.newestTwist(); }
 
@@ -195,9 +209,8 @@ class Localizer {
   }
   ScanOutcome admit(const Scan& scan);
   void straighten(const OdometryState& at_stamp, ScanTask* task) const;
-  bool wantsRecovery(double stamp);
   void weigh(ScanTask* task);
-  void seekSecondOpinion(bool was_converging, ScanTask* task);
+  void verify(bool was_converging, ScanTask* task);
   Verdict judge(const ScanTask& task);
   void learnDoubt(const ScanTask& task);
   void anchorHere();
@@ -206,16 +219,18 @@ class Localizer {
   ParticleFilter filter_;
   OdometryHistory odometry_;
   OdometryCalibration calibration_;
+  RangeBias range_bias_;
   OdometryDoubt doubt_;
   SweepOrder sweep_order_;
   std::shared_ptr<MapModel> map_;
   std::optional<Anchor> anchor_;
   std::optional<double> last_scan_stamp_;
   bool search_pending_ = false;
-  SecondOpinion second_opinion_;
+  HypothesisVerifier verifier_;
+  RecoveryPolicy recovery_;
   Judge judge_;
-  double last_recovery_stamp_ = -1e9;  ///< s
-  double recovery_pause_ = 0.0;        ///< s, until the next search
+  LidarOdometry lidar_odometry_;
+  bool challenge_pending_ = false;
   int scans_since_stop_ = 0;
   LocalizerCounters counters_;
 };

@@ -1,7 +1,9 @@
 // Odometry messages in, the car's motion between any two times out.
 #pragma once
 
+#include <Eigen/Core>
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "racecar_mcl/pose.h"
@@ -25,6 +27,8 @@ struct Motion {
       0.0;  ///< odometry messages it was summed from; a share of one counts as a share
   Twist2 twist_change = {};   ///< the twist at its end less that at its beginning
   double noise_factor = 1.0;  ///< sigmas of the motion noise are this many times the usual
+  std::optional<Eigen::Matrix3d> covariance = {};  ///< of `delta` (m, m, rad) where it is known
+                                                   ///< better than the motion model's
 };
 
 /// What dead reckoning has summed up since the history began; differences of two make a Motion.

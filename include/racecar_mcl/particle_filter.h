@@ -14,6 +14,7 @@
 #include "racecar_mcl/random.h"
 #include "racecar_mcl/resampling.h"
 #include "racecar_mcl/scan.h"
+#include "racecar_mcl/scan_fit.h"
 #include "racecar_mcl/scan_weigher.h"
 
 namespace racecar_mcl {
@@ -33,8 +34,9 @@ struct ParticleFilterParameters {
                                ///< that few particles close in on a pose that none of them hit
   double news_distance = 1.0;  ///< m; while the set is in several places, a scan counts in full
                                ///< after this much driving
-  int num_threads = 1;         ///< that weigh the particles; 0 = one per core. The result is the
-                               ///< same to the bit
+  bool bound_information = true;  ///< a scan counts by what the map explains of it
+  int num_threads = 1;            ///< that weigh the particles; 0 = one per core. The result is the
+                                  ///< same to the bit
 };
 
 /// Throws ParameterError on a value out of range.
@@ -80,11 +82,6 @@ class ParticleFilter {
   /// Takes a set that stands in one place for its own. Returns as initializeGlobally.
   const UpdateResult& initialize(const ParticleSet& particles, const Scan& beams);
 
-  /// Looks for places on the whole map from where the scan is explained better by a tenth of its
-  /// beams. Where there are, particles are put there beside those of the set, which converges
-  /// again; else it returns false and nothing changes.
-  bool reconsider(MapModel* map, const Scan& beams);
-
   /// Moves the set by the car's motion.
   void predict(const Motion& motion);
 
@@ -94,6 +91,9 @@ class ParticleFilter {
   /// the next update. Once the set has settled on a place and on its size, an update allocates
   /// nothing.
   const UpdateResult& update(MapModel* map, const Scan& beams, double repeat_distance = 0.0);
+
+  /// The same by a likelihood field alone, for a set that is in one place.
+  const UpdateResult& update(const LikelihoodField& field, const Scan& beams);
 
   const ParticleSet& particles() const { return particles_; }
   /// Of the set as it stands now. Throws std::logic_error before a start.
@@ -106,14 +106,23 @@ class ParticleFilter {
   const UpdateResult& reportStart(const Scan& beams);
   void requireStart() const;
   double news(double repeat_distance) const;
-  /// The log-likelihood of what is news in a scan for each particle, tempered while the set
+  /// The share of a scan's information that is left where the map explains little of it, by the
+  /// particle that explains most.
+  double mappedInformation(MapModel* map, const Scan& beams, const Eigen::ArrayXd& log_likelihoods);
+  /// `weigh(set)` gives the log-likelihood of the scan for each particle, in the weigher's own
+  /// array, and `log_likelihoods` holds what it gave for the set as it is.
+  template <typename Weigh>
+  const UpdateResult& updateBy(const Weigh& weigh, Eigen::ArrayXd& log_likelihoods,
+                               const Scan& beams);
+  /// From the log-likelihoods of a scan to those of what counts in it, tempered while the set
   /// converges.
-  Eigen::ArrayXd& weigh(MapModel* map, const Scan& beams);
+  void scaleToNews(Eigen::ArrayXd* log_likelihoods) const;
   /// Weighs and resamples the set by parts of a scan until what is left of it leaves enough
   /// effective particles (an annealed particle filter). In: the scan's log likelihoods, in the
   /// weigher's own array; out: those of what is left, at the new particles. Returns the log
   /// likelihood of the parts.
-  double anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* log_likelihoods, bool* resampled);
+  template <typename Weigh>
+  double anneal(const Weigh& weigh, Eigen::ArrayXd* log_likelihoods, bool* resampled);
   /// Ends the convergence where a single place is left, and leaves the others.
   void settleOn(const std::vector<Cluster>& clusters);
   /// Fills what a scan's result says of the set, by `weights_`.
@@ -132,10 +141,11 @@ class ParticleFilter {
   std::int64_t settled_updates_ = 0;  ///< since the set settled on a place
   bool converging_ = false;
   std::optional<Motion> moved_;  ///< since the last scan; none before the first
-  double news_ = 1.0;            ///< share of the scan being weighed that the last one did not tell
+  double news_ = 1.0;            ///< share of the scan being weighed that counts
   // Kept from update to update, so that tracking allocates nothing.
   UpdateResult result_;
   ScanWeigher weigher_;
+  ScanMatcher matcher_;
   ClusterFinder cluster_finder_;
   Eigen::ArrayXd weights_;  ///< of particles_, within an update
   ParticleSet drawn_;

@@ -1,5 +1,8 @@
-// How well a map explains a scan taken from a pose.
+// How well a map explains a scan taken from a pose, and in which way it does not.
 #pragma once
+
+#include <memory>
+#include <vector>
 
 #include "racecar_mcl/pose.h"
 #include "racecar_mcl/scan.h"
@@ -8,11 +11,44 @@ namespace racecar_mcl {
 
 struct MapModel;
 
+/// What a map says of a beam.
+enum class BeamMatch {
+  kNotJudged,  ///< proves nothing: no return, nearer than 0.3 m or beyond search_max_range
+  kMatched,    ///< ends at a surface: within 0.2 m or a cell
+  kShort,      ///< ends in known free space: something is there that the map does not show
+  kGrazing,   ///< ends at a surface, over 0.5 m behind another one that a neighbouring beam misses:
+              ///< rough walls seen along them do that, and so do wrong poses
+  kThrough,   ///< ends over 0.5 m behind the first surface in its way and in its neighbours', or
+              ///< inside an obstacle: the pose is wrong, or the surface is gone
+  kUnmapped,  ///< ends where the map is unknown: no evidence
+};
+
+/// Shares of the beams that could be judged; all 0 where none could.
 struct ScanFit {
-  /// Share of the beams that end at a surface or in a wall, within 0.2 m or a cell, and that have
-  /// not gone 0.5 m beyond the first wall in their way.
-  double explained = 0.0;
-  int beams = 0;  ///< that could be judged: their range lies between 0.3 m and search_max_range
+  double explained = 0.0;     ///< kMatched
+  int beams = 0;              ///< that could be judged
+  double residual = 0.0;      ///< m, root mean square distance of matched ends from the surfaces
+  double obstructed = 0.0;    ///< kShort
+  double contradicted = 0.0;  ///< kThrough
+  double unmapped = 0.0;      ///< kUnmapped
+};
+
+/// Compares scans with a map. Keeps its arrays from scan to scan: it allocates only where a scan
+/// has more beams than the ones before.
+class ScanMatcher {
+ public:
+  ScanMatcher();
+  ~ScanMatcher();
+  ScanMatcher(ScanMatcher&&) noexcept;
+  ScanMatcher& operator=(ScanMatcher&&) noexcept;
+
+  /// Of each beam, from the car at this pose. Valid until the next call.
+  const std::vector<BeamMatch>& match(MapModel* map, const Pose2& base_in_map, const Scan& beams);
+  ScanFit fit(MapModel* map, const Pose2& base_in_map, const Scan& beams);
+
+ private:
+  struct Arrays;
+  std::unique_ptr<Arrays> arrays_;
 };
 
 ScanFit fitScan(MapModel* map, const Pose2& base_in_map, const Scan& beams);

@@ -15,12 +15,8 @@ namespace {
 constexpr double kParkedDistance = 1e-3;  // m
 constexpr double kParkedRotation = 1e-3;  // rad
 
-// For how long and how many scans must be explained badly before the map is searched again, and how
-// long it takes at least and at most until the next search if that was in vain.
-constexpr double kDoubt = 0.2;  // s
-constexpr int kDoubtfulScans = 6;
-constexpr double kShortestPause = 0.5;  // s
-constexpr double kLongestPause = 16.0;  // s
+// The share of beams that the map must explain for scans to be trusted against the odometry.
+constexpr double kTrustedMap = 0.9;
 
 bool isParked(const Motion& motion) {
   return motion.distance < kParkedDistance && motion.rotation < kParkedRotation;
@@ -59,9 +55,11 @@ Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
       filter_(parameters.filter, parameters.motion, seed),
       odometry_(parameters.odometry),
       calibration_(parameters.calibration),
+      range_bias_(parameters.range_bias),
       sweep_order_(parameters.sweep_order),
-      second_opinion_(parameters.filter, parameters.motion, seed + 1),
-      judge_(parameters.verdict) {}
+      verifier_(parameters.filter, parameters.motion, seed + 1),
+      judge_(parameters.verdict, parameters.protection),
+      lidar_odometry_(parameters.filter, parameters.motion, parameters.sensor.field, seed + 2) {}
 
 void Localizer::setMap(std::shared_ptr<MapModel> map) { map_ = std::move(map); }
 
@@ -97,8 +95,10 @@ void Localizer::anchorHere() {
   judge_.startAgain();
   doubt_.startAgain();
   sweep_order_.startAgain();
-  recovery_pause_ = kShortestPause;
-  second_opinion_.drop();
+  recovery_.reset();
+  challenge_pending_ = false;
+  verifier_.stop();
+  lidar_odometry_.reset();
 }
 
 OdometryOutcome Localizer::addOdometry(const OdometrySample& sample) {
@@ -155,6 +155,8 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   if (task.result.outcome != ScanOutcome::kUsed) return task;
 
   task.beams = chooseBeams(parameters_, scan);
+  range_bias_.correct(&task.beams);
+  task.result.range_bias = range_bias_.bias();
   if (task.beams.size() < parameters_.min_beams) {
     task.result.outcome = ScanOutcome::kTooFewBeams;
     judge_.judgeUnusable(scan.stamp);
@@ -168,20 +170,24 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
   const bool heard = !odometry_.empty() &&
                      scan.stamp - odometry_.newestStamp() <= parameters_.odometry.max_odometry_gap;
   // Nor is odometry that says so to be believed while scans say otherwise.
-  const bool doubtful = judge_.doubtfulFor() > 0.0;
-  scans_since_stop_ = heard && !doubtful && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
+  scans_since_stop_ =
+      heard && !recovery_.inConflict() && isParked(task.motion) ? scans_since_stop_ + 1 : 0;
+  task.before = anchor_->estimate;
   task.predicted = carryForward(anchor_->estimate, task.motion.delta, Eigen::Matrix3d::Zero());
   // What is to confirm a place counts in full.
-  if (!second_opinion_.pending()) {
+  if (!verifier_.confirming()) {
     task.repeat_distance =
         parameters_.map_error_distance * std::max(0.0, kUsualOfGoodMaps - judge_.usual());
   }
   task.search = search_pending_;
-  task.recover = !task.search && wantsRecovery(scan.stamp);
+  task.carry =
+      parameters_.lidar_odometry && !task.search && !filter_.converging() && judge_.mapIsSilent();
+  task.challenge = challenge_pending_;
+  task.was_localized = judge_.wasLocalized();
   task.weigh = task.search || scans_since_stop_ <= parameters_.parked_updates;
   // A lost filter would take the very beams that say so for obstacles.
-  task.reject_short = parameters_.reject_short_returns && !task.recover &&
-                      judge_.verdict().state == VerdictState::kLocalized;
+  task.reject_short =
+      parameters_.reject_short_returns && judge_.verdict().state == VerdictState::kLocalized;
   if (!task.weigh) task.result.outcome = ScanOutcome::kParked;
   last_scan_stamp_ = scan.stamp;
   return task;
@@ -203,14 +209,6 @@ void Localizer::straighten(const OdometryState& at_stamp, ScanTask* task) const 
   task->beams = deskew(sweep, base_after);
 }
 
-bool Localizer::wantsRecovery(double stamp) {
-  if (!parameters_.recovery || judge_.doubtfulFor() < kDoubt ||
-      judge_.doubtfulScans() < kDoubtfulScans) {
-    return false;
-  }
-  return std::abs(stamp - last_recovery_stamp_) >= recovery_pause_;
-}
-
 void Localizer::processScan(ScanTask* task) {
   if (task->result.outcome != ScanOutcome::kUsed && task->result.outcome != ScanOutcome::kParked) {
     return;
@@ -226,7 +224,7 @@ void Localizer::processScan(ScanTask* task) {
   }
   const Pose2& estimated = update.estimate.base_in_map;
   task->correction = between(predicted, estimated);
-  task->fit = fitScan(map_.get(), estimated, task->beams);
+  task->result.fit = fitScan(map_.get(), estimated, task->beams);
   if (task->mirrored) {
     task->order_log_odds =
         logOddsOfScans(map_->search.field(), estimated, task->beams, *task->mirrored);
@@ -236,8 +234,11 @@ void Localizer::processScan(ScanTask* task) {
 
 void Localizer::weigh(ScanTask* task) {
   const bool was_converging = filter_.converging();
+  if (task->carry) {
+    task->motion = lidar_odometry_.refine(task->motion, task->beams);
+    task->predicted = carryForward(task->before, task->motion.delta, Eigen::Matrix3d::Zero());
+  }
   filter_.predict(task->motion);
-  task->recovered = task->recover && filter_.reconsider(map_.get(), task->beams);
   const Pose2& predicted = task->predicted.base_in_map;
   task->result.update = filter_.update(
       map_.get(),
@@ -245,23 +246,35 @@ void Localizer::weigh(ScanTask* task) {
           ? withoutShortReturns(map_.get(), predicted, task->beams, parameters_.min_beams)
           : task->beams,
       task->repeat_distance);
-  if (parameters_.second_opinion) seekSecondOpinion(was_converging, task);
+  verify(was_converging, task);
 }
 
-void Localizer::seekSecondOpinion(bool was_converging, ScanTask* task) {
+void Localizer::verify(bool was_converging, ScanTask* task) {
+  using Purpose = HypothesisVerifier::Purpose;
+  using Decision = HypothesisVerifier::Decision;
   if (filter_.converging()) return;
-  bool ask = was_converging;
-  if (!ask && second_opinion_.pending()) {
-    UpdateResult& update = task->result.update;
-    const SecondOpinion::Answer answer =
-        second_opinion_.hear(task->motion, map_.get(), task->beams, update.estimate.base_in_map);
-    if (answer == SecondOpinion::Answer::kObjects) {
-      update = filter_.initialize(second_opinion_.particles(), task->beams);
-      task->recovered = ask = true;  // and the next one is to agree with it
+  UpdateResult& update = task->result.update;
+  bool confirm = was_converging;
+  if (verifier_.confirming() || verifier_.challenging()) {
+    const bool challenging = verifier_.challenging();
+    const Decision decision =
+        verifier_.update(task->motion, map_.get(), task->beams, update.estimate);
+    if (decision == Decision::kProven) {
+      update = filter_.initialize(verifier_.particles(), task->beams);
+      task->recovered = confirm = true;  // and another search is to agree with it
+      verifier_.stop();
     }
+    task->rejected =
+        challenging && (decision == Decision::kRejected || decision == Decision::kConfirmed);
+    // Another place is one of the places where the car may be while it is tested.
+    if (verifier_.challenging() && verifier_.candidate()) {
+      update.clusters.push_back({*verifier_.candidate(), verifier_.candidateProbability(), 0});
+    }
+  } else if (task->challenge) {
+    verifier_.start(Purpose::kChallenge, *map_, task->beams, task->was_localized);
   }
-  if (!ask) return;
-  second_opinion_.ask(*map_, task->beams);
+  if (!confirm || !parameters_.second_opinion) return;
+  verifier_.start(Purpose::kConfirm, *map_, task->beams);
   task->asked = true;
 }
 
@@ -269,10 +282,11 @@ Verdict Localizer::judge(const ScanTask& task) {
   const UpdateResult& update = task.result.update;
   Evidence evidence;
   evidence.stamp = task.result.stamp;
-  evidence.fit = task.fit;
+  evidence.fit = task.result.fit;
   evidence.converging = update.converging;
-  evidence.unconfirmed = second_opinion_.pending();
+  evidence.unconfirmed = verifier_.confirming();
   evidence.position_sigma = positionSigma(update.estimate);
+  evidence.estimate = update.estimate;
   evidence.travelled = task.motion.distance;
   evidence.moved = task.moved();
   evidence.correction = {task.correction.x, task.correction.y};
@@ -282,6 +296,8 @@ Verdict Localizer::judge(const ScanTask& task) {
 void Localizer::learnDoubt(const ScanTask& task) {
   // A jump to another place says nothing of the way there.
   if (task.moved() || task.result.update.converging) return doubt_.startAgain();
+  // Where the map is wrong, scans contradict good odometry as well.
+  if (judge_.verdict().explained < kTrustedMap) return doubt_.startAgain();
   Motion usual = task.motion;
   usual.noise_factor = 1.0;
   doubt_.learn(task.correction, motionCovariance(parameters_.motion, usual), usual.seconds);
@@ -308,17 +324,27 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   }
   if (task.search) search_pending_ = false;
   if (task.asked) scans_since_stop_ = 0;  // a parked car is to hear it too
-  if (task.recovered) ++counters_.recoveries;
-  if (task.recover) {
-    last_recovery_stamp_ = result.stamp;
-    if (!task.recovered) judge_.acceptAsUsual();
-    recovery_pause_ =
-        task.recovered ? kShortestPause : std::min(2.0 * recovery_pause_, kLongestPause);
+  if (task.recovered) {
+    ++counters_.recoveries;
+    recovery_.reset();
   }
+  if (task.rejected) recovery_.onRejected(result.stamp);
   result.verdict = judge(task);
+  challenge_pending_ =
+      recovery_.update({result.stamp, !result.update.converging, result.verdict.conflict}) &&
+      parameters_.recovery && !verifier_.confirming() && !verifier_.challenging();
   learnDoubt(task);
+  if (task.moved() || result.update.converging) {
+    lidar_odometry_.reset();
+  } else if (!task.carry && parameters_.lidar_odometry) {
+    lidar_odometry_.remember(task.beams, result.update.estimate.base_in_map);
+  }
   if (result.verdict.state == VerdictState::kLocalized) {
     calibration_.learn(task.motion, task.correction);
+    if (map_->likelihood_field) {
+      range_bias_.learn(*map_->likelihood_field, result.update.estimate.base_in_map, task.beams,
+                        task.motion.distance);
+    }
     if (task.mirrored && sweep_order_.learn(task.order_log_odds, task.turned)) {
       // What was learned of a sweep that went the other way says nothing of this one.
       calibration_.forgetDelay();

@@ -11,7 +11,9 @@ void validate(const LocalizerParameters& p) {
   validate(p.sensor);
   validate(p.odometry);
   validate(p.calibration);
+  validate(p.range_bias);
   validate(p.verdict);
+  validate(p.protection);
   requireWithin("map_error_distance", p.map_error_distance, 0.0, 1000.0, "m");
   requireWithin("num_beams_per_particle", p.num_beams_per_particle, 1, 10000);
   require(p.min_beams >= 1 && p.min_beams <= p.num_beams_per_particle, "min_beams", p.min_beams,

@@ -147,6 +147,7 @@ void validate(const MotionModelParameters& p) {
 
 Eigen::Matrix3d motionCovariance(const MotionModelParameters& parameters, const Motion& motion) {
   if (parameters.deterministic) return Eigen::Matrix3d::Zero();
+  if (motion.covariance) return *motion.covariance;
   return square(motion.noise_factor) * usualCovariance(parameters, motion);
 }
 

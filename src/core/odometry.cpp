@@ -62,7 +62,9 @@ Motion motionBetween(const OdometryState& earlier, const OdometryState& later) {
           std::max(0.0, later.seconds - earlier.seconds),
           std::max(0.0, later.messages - earlier.messages),
           {later.twist.vx - earlier.twist.vx, later.twist.vy - earlier.twist.vy,
-           later.twist.wz - earlier.twist.wz}};
+           later.twist.wz - earlier.twist.wz},
+          1.0,
+          {}};
 }
 
 std::string describe(OdometryOutcome outcome) {

@@ -105,13 +105,16 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("field_squash", p.sensor.field.field_squash);
   visit("field_inside", p.sensor.field.field_inside);
 
+  visit("bound_information", p.filter.bound_information);
+  visit("lidar_odometry", p.lidar_odometry);
   visit("second_opinion", p.second_opinion);
   visit("recovery", p.recovery);
   visit("verdict_time", p.verdict.verdict_time);
   visit("degraded_deviations", p.verdict.degraded_deviations);
-  visit("lost_below", p.verdict.lost_below);
+  visit("lost_conflict", p.verdict.lost_conflict);
   visit("localized_sigma", p.verdict.localized_sigma);
   visit("odometry_disagreement", p.verdict.odometry_disagreement);
+  visit("protection_risk", p.protection.protection_risk);
 
   visit("search_spacing", p.sensor.search.search_spacing);
   visit("search_yaw_spacing", p.sensor.search.search_yaw_spacing);
@@ -141,6 +144,8 @@ void forEachParameter(Parameters& p, Visit&& visit) {
   visit("max_odometry_extrapolation", p.odometry.max_odometry_extrapolation);
   visit("clock_jump", p.odometry.clock_jump);
   visit("calibration_distance", p.calibration.calibration_distance);
+  visit("range_bias", p.range_bias.range_bias);
+  visit("range_bias_distance", p.range_bias.range_bias_distance);
   visit("noise_adaptation", p.noise_adaptation);
 }
 

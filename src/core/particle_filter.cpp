@@ -23,11 +23,6 @@ constexpr double kConvergingSurvivors = 0.05;
 // The set shrinks to one particle in so many of global_particles before it has settled.
 constexpr Eigen::Index kConvergingShare = 10;
 
-// When the map is searched again: the share of the particles that stays where they were, and how
-// many beams another place may leave unexplained for each that the old one does.
-constexpr double kKeptShare = 0.3;
-constexpr double kBetterBy = 0.3;
-
 // A scan is weighed in at most so many steps, each of which leaves at most this share of the set.
 // Between them, copies are spread by a kernel of this share of the set's own sigma.
 constexpr int kMostSteps = 4;
@@ -36,6 +31,14 @@ constexpr double kStepKernel = 0.3;
 
 // However little the car has moved, a scan of a settled set counts by this share.
 constexpr double kLeastNews = 0.1;
+
+/// What a scan may tell when the map explains this share of it: the largest log-likelihood ratio of
+/// a beam whose share of unexplained beams is not field_rand but what was seen.
+double informationOf(double explained) {
+  constexpr double kUnexplainedOfGoodMaps = 0.1;
+  const double unexplained = std::clamp(1.0 - explained, kUnexplainedOfGoodMaps, 0.999);
+  return std::log(unexplained) / std::log(kUnexplainedOfGoodMaps);
+}
 
 // No start is farther away or wider than this, m: beyond it, squares lose their digits.
 constexpr double kFarthest = 1e7;
@@ -137,26 +140,6 @@ const UpdateResult& ParticleFilter::reportStart(const Scan& beams) {
   return result_;
 }
 
-bool ParticleFilter::reconsider(MapModel* map, const Scan& beams) {
-  const auto kept = static_cast<Eigen::Index>(kKeptShare * parameters_.global_particles);
-  const ParticleSet found =
-      map->search.candidates(beams, parameters_.global_particles - kept, random_);
-  Eigen::Index best = 0;
-  weigher_.weigh(map->search.field(), found, beams).maxCoeff(&best);
-  const double here = fitScan(map, estimate().base_in_map, beams).explained;
-  const double there = fitScan(map, found.pose(best), beams).explained;
-  if (1.0 - there > kBetterBy * (1.0 - here)) return false;
-
-  const ParticleSet old = resample(particles_, kept, parameters_.resampling, random_);
-  ParticleSet both;
-  both.resize(old.size() + found.size());
-  both.x << old.x, found.x;
-  both.y << old.y, found.y;
-  both.yaw << old.yaw, found.yaw;
-  startFrom(std::move(both), true);
-  return true;
-}
-
 void ParticleFilter::predict(const Motion& motion) {
   const Motion before = moved_.value_or(Motion{});
   moved_ = motion;
@@ -169,11 +152,41 @@ const UpdateResult& ParticleFilter::update(MapModel* map, const Scan& beams,
                                            double repeat_distance) {
   requireStart();
   news_ = news(repeat_distance);
+  const auto weigh = [&](const ParticleSet& particles) -> Eigen::ArrayXd& {
+    return converging_ ? weigher_.weigh(map->search.field(), particles, beams)
+                       : weigher_.weigh(map, particles, beams);
+  };
+  Eigen::ArrayXd& log_likelihoods = weigh(particles_);
+  if (!converging_ && parameters_.bound_information) {
+    news_ *= mappedInformation(map, beams, log_likelihoods);
+  }
+  return updateBy(weigh, log_likelihoods, beams);
+}
+
+const UpdateResult& ParticleFilter::update(const LikelihoodField& field, const Scan& beams) {
+  requireStart();
+  news_ = 1.0;
+  const auto weigh = [&](const ParticleSet& particles) -> Eigen::ArrayXd& {
+    return weigher_.weigh(field, particles, beams);
+  };
+  return updateBy(weigh, weigh(particles_), beams);
+}
+
+double ParticleFilter::mappedInformation(MapModel* map, const Scan& beams,
+                                         const Eigen::ArrayXd& log_likelihoods) {
+  Eigen::Index best = 0;
+  log_likelihoods.maxCoeff(&best);
+  return informationOf(matcher_.fit(map, particles_.pose(best), beams).explained);
+}
+
+template <typename Weigh>
+const UpdateResult& ParticleFilter::updateBy(const Weigh& weigh, Eigen::ArrayXd& log_weights,
+                                             const Scan& beams) {
   moved_.reset();
   if (!converging_) ++settled_updates_;
   result_.resampled = false;
-  Eigen::ArrayXd& log_weights = weigh(map, beams);
-  const double log_likelihood_of_steps = anneal(map, beams, &log_weights, &result_.resampled);
+  scaleToNews(&log_weights);
+  const double log_likelihood_of_steps = anneal(weigh, &log_weights, &result_.resampled);
   log_weights += particles_.log_weight;
   result_.log_likelihood = log_likelihood_of_steps + normalizeLogWeights(&log_weights, &weights_);
   result_.weights_vanished = !std::isfinite(result_.log_likelihood);
@@ -212,18 +225,15 @@ double ParticleFilter::news(double repeat_distance) const {
   return std::max(kLeastNews, newsAfter(*moved_, repeat_distance));
 }
 
-Eigen::ArrayXd& ParticleFilter::weigh(MapModel* map, const Scan& beams) {
-  Eigen::ArrayXd& log_likelihoods = converging_
-                                        ? weigher_.weigh(map->search.field(), particles_, beams)
-                                        : weigher_.weigh(map, particles_, beams);
-  if (news_ < 1.0) log_likelihoods *= news_;
-  if (!converging_) return log_likelihoods;
+void ParticleFilter::scaleToNews(Eigen::ArrayXd* log_likelihoods) const {
+  if (news_ < 1.0) *log_likelihoods *= news_;
+  if (!converging_) return;
   const double survivors = kConvergingSurvivors * static_cast<double>(particles_.size());
-  log_likelihoods *= temperingExponent(particles_.log_weight, log_likelihoods, survivors);
-  return log_likelihoods;
+  *log_likelihoods *= temperingExponent(particles_.log_weight, *log_likelihoods, survivors);
 }
 
-double ParticleFilter::anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* log_likelihoods,
+template <typename Weigh>
+double ParticleFilter::anneal(const Weigh& weigh, Eigen::ArrayXd* log_likelihoods,
                               bool* resampled) {
   const double wanted = std::min<double>(parameters_.min_effective_particles,
                                          kMostEffective * static_cast<double>(particles_.size()));
@@ -244,7 +254,7 @@ double ParticleFilter::anneal(MapModel* map, const Scan& beams, Eigen::ArrayXd* 
     drawTogether(shape.base_in_map, 1.0 - std::sqrt(1.0 - kStepKernel * kStepKernel), &particles_);
     spread(kStepKernel * rootOf(shape.covariance), random_, &particles_);
     left *= 1.0 - part;
-    weigh(map, beams);
+    scaleToNews(&weigh(particles_));
     *log_likelihoods *= left;
   }
   return log_likelihood;

@@ -7,16 +7,20 @@
 
 namespace racecar_mcl {
 
-SeenBeams seeBeams(MapModel* map, const Pose2& base_in_map, const Scan& beams) {
+void seeBeams(MapModel* map, const Pose2& base_in_map, const Scan& beams, SeenBeams* seen) {
   const Pose2 lidar = compose(base_in_map, beams.laser_in_base);
   const PoseBatch pose{&lidar.x, &lidar.y, &lidar.yaw, 1};
-  Eigen::ArrayXXf ranges(beams.size(), 1);
+  seen->walls.resize(beams.size(), 1);
   map->caster->prepare(pose, beams.bearings);
-  map->caster->cast(pose, beams.bearings, ranges);
+  map->caster->cast(pose, beams.bearings, seen->walls);
   // A ray cast to its full range meets nothing.
-  const Eigen::ArrayXf walls = (ranges.col(0) < map->max_range)
-                                   .select(ranges.col(0), std::numeric_limits<float>::quiet_NaN());
-  return {map->search.field().beamLogLikelihoods(lidar, beams), walls};
+  for (Eigen::Index k = 0; k < beams.size(); ++k) {
+    if (!(seen->walls(k) < map->max_range)) {
+      seen->walls(k) = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  seen->log_likelihoods.resize(beams.size());
+  map->search.field().beamLogLikelihoods(lidar, beams, seen->log_likelihoods);
 }
 
 float logLikelihoodNearSurface(const MapModel& map, double distance) {

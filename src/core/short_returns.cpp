@@ -15,13 +15,14 @@ constexpr Eigen::Index kOneStaysOf = 2;  // beams, at least
 
 Scan withoutShortReturns(MapModel* map, const Pose2& base_in_map, const Scan& beams,
                          Eigen::Index least) {
-  const SeenBeams seen = seeBeams(map, base_in_map, beams);
+  SeenBeams seen;
+  seeBeams(map, base_in_map, beams, &seen);
   const float free = logLikelihoodNearSurface(*map, kAtSurface);
   std::vector<Eigen::Index> kept;
   kept.reserve(static_cast<std::size_t>(beams.size()));
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
     const bool stopped =
-        beams.ranges[k] < seen.walls[k] - kBefore && seen.log_likelihoods[k] < free;
+        beams.ranges[k] < seen.walls(k) - kBefore && seen.log_likelihoods[k] < free;
     if (!stopped) kept.push_back(k);
   }
   const auto staying = static_cast<Eigen::Index>(kept.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "racecar_mcl/require.h"
@@ -19,9 +20,24 @@ constexpr double kDeviationAtLeast = 0.02;
 constexpr double kCorrectionTime = 2.0;    // s
 constexpr double kForgivenDistance = 0.5;  // m
 constexpr double kUnusableTime = 0.5;      // s without a usable scan
-constexpr int kFewestBeams = 8;            // that returned; fewer prove nothing
+// A map that explains less is silent: scans are matched with the scans before them as well.
+constexpr double kSilent = 0.75;
+// A scan that is explained less, or that contradicts the map more, teaches nothing of the map.
+constexpr double kTeachesFrom = 0.65;
+constexpr double kTeachesConflict = 0.3;
+constexpr double kUsualConflictAtFirst = 0.05;
+constexpr double kUsualConflictAtMost = 0.25;
+constexpr double kLostExplained = 0.5;  // who explains more is not lost
+constexpr double kHalfConflict = 0.5;   // of a beam that ends before a mapped surface
+constexpr int kFewestBeams = 8;         // that returned; fewer prove nothing
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
+std::string metres(double length) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f m", length);
+  return text;
+}
 
 }  // namespace
 
@@ -42,38 +58,35 @@ std::string describe(VerdictState state) {
 void validate(const VerdictParameters& p) {
   requirePositiveUpTo("verdict_time", p.verdict_time, 100.0, "s");
   requirePositiveUpTo("degraded_deviations", p.degraded_deviations, 1000.0);
-  requireShare("lost_below", p.lost_below);
+  requireShare("lost_conflict", p.lost_conflict);
   requirePositiveUpTo("localized_sigma", p.localized_sigma, 1000.0, "m");
   requirePositiveUpTo("odometry_disagreement", p.odometry_disagreement, 1000.0);
 }
 
-Judge::Judge(const VerdictParameters& parameters)
+Judge::Judge(const VerdictParameters& parameters, const ProtectionLevelParameters& protection)
     : parameters_((validate(parameters), parameters)),
+      protection_((validate(protection), protection)),
       usual_(kUsualOfGoodMaps),
+      usual_conflict_(kUsualConflictAtFirst),
       deviation_(kDeviationAtFirst) {}
 
 void Judge::startAgain() {
   verdict_ = Verdict{};
   heard_ = false;
   was_localized_ = false;
-  doubtful_since_.reset();
-  doubtful_scans_ = 0;
+  conflict_ = 0.0;
+  carried_ = 0.0;
   unusable_since_.reset();
   correction_.setZero();
   travelled_ = 0.0;
-}
-
-void Judge::followClock(double stamp) {
-  // What began later than now began in a time that the clock has left.
-  for (std::optional<double>* since : {&doubtful_since_, &unusable_since_}) {
-    if (*since && **since > stamp) *since = stamp;
-  }
 }
 
 void Judge::average(const Evidence& evidence) {
   const double elapsed = heard_ ? std::max(0.0, evidence.stamp - last_stamp_) : 1e9;
   const double keep = std::exp(-elapsed / parameters_.verdict_time);
   explained_ = keep * explained_ + (1.0 - keep) * evidence.fit.explained;
+  const double conflict = evidence.fit.contradicted + kHalfConflict * evidence.fit.obstructed;
+  conflict_ = keep * conflict_ + (1.0 - keep) * conflict;
   last_stamp_ = evidence.stamp;
   heard_ = true;
 
@@ -91,14 +104,26 @@ void Judge::learnUsual(double travelled) {
   deviation_ += learnt * (std::abs(explained_ - usual_) - deviation_);
   deviation_ = std::max(kDeviationAtLeast, deviation_);
   usual_ = std::max(kUsualAtLeast, usual_ + learnt * (explained_ - usual_));
+  usual_conflict_ =
+      std::min(kUsualConflictAtMost, usual_conflict_ + learnt * (conflict_ - usual_conflict_));
 }
 
 double Judge::leastUsual() const { return usual_ - parameters_.degraded_deviations * deviation_; }
 
+bool Judge::mapIsSilent() const { return heard_ && explained_ < kSilent; }
+
 Verdict Judge::conclude(const Evidence& evidence) const {
   const double disagreement = correction_.norm() / (travelled_ + kForgivenDistance);
   const auto verdict = [&](VerdictState state, std::string reason) {
-    return Verdict{state, std::move(reason), explained_, usual_, disagreement};
+    Verdict made;
+    made.state = state;
+    made.reason = std::move(reason);
+    made.explained = explained_;
+    made.usually = usual_;
+    made.conflict = excessConflict();
+    made.carried = carried_;
+    made.disagreement = disagreement;
+    return made;
   };
   const std::string fit =
       percent(explained_) + " of the beams are explained; usually " + percent(usual_);
@@ -110,15 +135,21 @@ Verdict Judge::conclude(const Evidence& evidence) const {
   if (evidence.fit.beams < kFewestBeams) {
     return verdict(VerdictState::kDegraded, "hardly a beam returns");
   }
-  if (explained_ < parameters_.lost_below * usual_) return verdict(VerdictState::kLost, fit);
-  if (!was_localized_ &&
-      (explained_ < leastUsual() || evidence.position_sigma > parameters_.localized_sigma)) {
+  if (excessConflict() > parameters_.lost_conflict && explained_ < kLostExplained) {
+    return verdict(VerdictState::kLost,
+                   "the scans contradict the map: " + percent(conflict_) + " of the beams");
+  }
+  const bool is_explained = explained_ >= std::max(leastUsual(), kTeachesFrom);
+  const bool is_narrow = evidence.position_sigma <= parameters_.localized_sigma;
+  if (!was_localized_ && !(is_explained && is_narrow)) {
     return verdict(VerdictState::kConverging, fit);
   }
-  if (explained_ < leastUsual()) return verdict(VerdictState::kDegraded, fit);
-  if (evidence.position_sigma > parameters_.localized_sigma) {
-    return verdict(VerdictState::kDegraded, "the position is uncertain");
+  if (!is_explained) {
+    return verdict(VerdictState::kDegraded, "the map does not show what the lidar sees: " + fit +
+                                                "; the pose is carried +- " +
+                                                metres(evidence.position_sigma));
   }
+  if (!is_narrow) return verdict(VerdictState::kDegraded, "the position is uncertain");
   if (disagreement > parameters_.odometry_disagreement) {
     return verdict(VerdictState::kDegraded,
                    "odometry and scans disagree by " + percent(disagreement) + " of the way");
@@ -130,39 +161,29 @@ Verdict Judge::conclude(const Evidence& evidence) const {
 }
 
 const Verdict& Judge::judge(const Evidence& evidence) {
-  followClock(evidence.stamp);
   average(evidence);
   unusable_since_.reset();
+  carried_ = explained_ >= kSilent ? 0.0 : carried_ + evidence.travelled;
   verdict_ = conclude(evidence);
-  if (verdict_.state == VerdictState::kLocalized) {
-    was_localized_ = true;
-    learnUsual(evidence.travelled);
+  if (verdict_.state == VerdictState::kLocalized || verdict_.state == VerdictState::kDegraded) {
+    verdict_.level = protectionLevel(protection_, evidence.estimate, evidence.fit, carried_);
   }
-  const bool doubtful = !evidence.converging && evidence.fit.beams >= kFewestBeams &&
-                        explained_ < std::max(leastUsual(), parameters_.lost_below * usual_);
-  doubtful_scans_ = doubtful ? doubtful_scans_ + 1 : 0;
-  if (!doubtful) {
-    doubtful_since_.reset();
-  } else if (!doubtful_since_) {
-    doubtful_since_ = evidence.stamp;
+  if (verdict_.state == VerdictState::kLocalized) was_localized_ = true;
+  if (!evidence.converging && !evidence.unconfirmed && explained_ >= kTeachesFrom &&
+      conflict_ <= kTeachesConflict && evidence.position_sigma <= parameters_.localized_sigma) {
+    learnUsual(evidence.travelled);
   }
   return verdict_;
 }
 
 const Verdict& Judge::judgeUnusable(double stamp) {
-  followClock(stamp);
-  if (!unusable_since_) unusable_since_ = stamp;
+  // What began later than now began in a time that the clock has left.
+  if (!unusable_since_ || *unusable_since_ > stamp) unusable_since_ = stamp;
   if (stamp - *unusable_since_ > kUnusableTime && verdict_.state == VerdictState::kLocalized) {
     verdict_.state = VerdictState::kDegraded;
     verdict_.reason = "no usable scan";
   }
   return verdict_;
-}
-
-void Judge::acceptAsUsual() {
-  usual_ = std::max(kUsualAtLeast, std::min(usual_, explained_));
-  doubtful_since_.reset();
-  doubtful_scans_ = 0;
 }
 
 }  // namespace racecar_mcl

@@ -36,6 +36,11 @@ void addVerdict(const Verdict& verdict, diagnostic_msgs::DiagnosticStatus* messa
   add("reason", verdict.reason, message);
   add("explained beams (%)", 100.0 * verdict.explained, message);
   add("usually explained (%)", 100.0 * verdict.usually, message);
+  add("conflict with the map (%)", 100.0 * verdict.conflict, message);
+  add("driven without the map (m)", verdict.carried, message);
+  add("protection level along (m)", verdict.level.along, message);
+  add("protection level across (m)", verdict.level.across, message);
+  add("protection level heading (rad)", verdict.level.heading, message);
   add("odometry disagreement (%)", 100.0 * verdict.disagreement, message);
 }
 
@@ -74,6 +79,7 @@ diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::
   add("particles", s.particles);
   add("beams", s.beams);
   add("sweep order", s.sweep_order);
+  add("range bias (m)", s.range_bias);
   add("effective sample size", s.effective_sample_size);
   add("position sigma (m)", s.position_sigma);
   add("yaw sigma (rad)", s.yaw_sigma);

@@ -30,6 +30,7 @@ struct NodeStatus {
   int particles = 0;
   int beams = 0;
   std::string sweep_order;      ///< "listed" or "reversed": in which order beams were taken
+  double range_bias = 0.0;      ///< m, ranges measured less distances mapped
   double position_sigma = 0.0;  ///< m, the larger axis
   double yaw_sigma = 0.0;       ///< rad
 };

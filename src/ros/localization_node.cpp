@@ -332,6 +332,7 @@ void LocalizationNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
     status_.started = localizer_.initialized();
     status_.counters = localizer_.counters();
     status_.sweep_order = localizer_.sweepOrder().word();
+    status_.range_bias = localizer_.rangeBias();
     status_.latency_p50 = latency_.quantile(0.5);
     status_.latency_p99 = latency_.quantile(0.99);
     status = status_;

@@ -96,22 +96,29 @@ std::string summaryText(const ReplayRecord& record, const RunDescription& descri
 std::string updatesCsv(const ReplayRecord& record) {
   std::string text =
       "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,effective_sample_size,"
-      "beams,particles,log_likelihood,resampled,outcome,update_ms,clusters,explained,verdict,"
+      "beams,particles,log_likelihood,resampled,outcome,update_ms,clusters,explained,obstructed,"
+      "contradicted,unmapped,conflict,carried,range_bias,level_along,level_across,level_heading,"
+      "verdict,"
       "reason\n";
   for (const ScanRow& row : record.scans) {
     const UpdateResult& update = row.result.update;
     const Pose2& pose = update.estimate.base_in_map;
     const Eigen::Matrix3d& cov = update.estimate.covariance;
     const Verdict& verdict = row.result.verdict;
-    char line[640];
+    const ScanFit& fit = row.result.fit;
+    const ProtectionLevel& level = verdict.level;
+    char line[1024];
     std::snprintf(line, sizeof(line),
                   "%s,%.9f,%.9f,%.12f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.3f,%d,%d,%.9g,%d,"
-                  "%s,%.4f,%zu,%.3f,%s,%s\n",
+                  "%s,%.4f,%zu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.4f,%.4f,%.4f,%.5f,%s,%s\n",
                   formatStamp(row.stamp).c_str(), pose.x, pose.y, pose.yaw, cov(0, 0), cov(0, 1),
                   cov(0, 2), cov(1, 1), cov(1, 2), cov(2, 2), update.effective_sample_size,
                   update.beams, update.particles, update.log_likelihood, update.resampled ? 1 : 0,
                   outcomeWord(row.result.outcome).c_str(), row.update_ms, update.clusters.size(),
-                  verdict.explained, describe(verdict.state).c_str(), verdict.reason.c_str());
+                  verdict.explained, fit.obstructed, fit.contradicted, fit.unmapped,
+                  verdict.conflict, verdict.carried, row.result.range_bias, level.along,
+                  level.across, level.heading, describe(verdict.state).c_str(),
+                  verdict.reason.c_str());
     text += line;
   }
   return text;

@@ -1,5 +1,5 @@
 // Whether a second search agrees with a first one, on the simulated corridor.
-#include "racecar_mcl/second_opinion.h"
+#include "racecar_mcl/hypothesis_verifier.h"
 
 #include <gtest/gtest.h>
 
