@@ -10,6 +10,7 @@
 #include "racecar_mcl/likelihood_field.h"
 #include "racecar_mcl/occupancy_grid.h"
 #include "racecar_mcl/range_caster.h"
+#include "racecar_mcl/surfaces.h"
 
 namespace racecar_mcl {
 
@@ -45,5 +46,9 @@ struct MapModel {
 /// sensor model: field_max_range, or that of the sensor table. With the beam model less than that
 /// is a ParameterError, for expected ranges would end before measured ones.
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameters& sensor);
+
+/// The same, with what findSurfaces gave of the grid.
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const Surfaces& surfaces,
+                                       const SensorParameters& sensor);
 
 }  // namespace racecar_mcl

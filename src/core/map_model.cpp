@@ -41,6 +41,12 @@ RangeCasterParameters casterParameters(const SensorParameters& sensor, const Bea
 }  // namespace
 
 std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameters& sensor) {
+  const Surfaces surfaces = findSurfaces(grid);
+  return makeMapModel(std::move(grid), surfaces, sensor);
+}
+
+std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const Surfaces& surfaces,
+                                       const SensorParameters& sensor) {
   std::vector<Cell> free_cells = freeCells(grid);
   if (free_cells.empty()) {
     throw MapError("the map of " + std::to_string(grid.geometry().width) + " x " +
@@ -52,7 +58,6 @@ std::shared_ptr<MapModel> makeMapModel(OccupancyGrid grid, const SensorParameter
   const RangeCasterParameters caster = casterParameters(sensor, beam_model, resolution);
   std::unique_ptr<RangeCaster> made = makeRangeCaster(grid, caster);
   std::optional<LikelihoodField> field;
-  const Surfaces surfaces = findSurfaces(grid);
   if (sensor.sensor_model == SensorModel::kLikelihoodField) {
     field.emplace(grid.geometry(), surfaces, sensor.field);
   }

@@ -2,7 +2,9 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "racecar_mcl/errors.h"
 #include "ros/map_conversions.h"
@@ -216,18 +218,31 @@ void LocalizationNode::buildMap() {
   const std::optional<nav_msgs::OccupancyGridConstPtr> message = newest_map_.take();
   if (!message) return;
   try {
+    OccupancyGrid grid = toOccupancyGrid(**message);
+    const Surfaces surfaces = findSurfaces(grid);
+    const MapSummary summary = summarize(grid, surfaces);
     const std::shared_ptr<MapModel> map =
-        makeMapModel(toOccupancyGrid(**message), parameters_.localizer);
-    worker_.post([this, map] { useMap(map); });
+        makeMapModel(std::move(grid), surfaces, parameters_.localizer.sensor);
+    worker_.post([this, map, summary] { useMap(map, summary); });
   } catch (const std::exception& error) {
     refuse(&NodeStatus::maps_refused,
            std::string("map refused, the one before stays: ") + error.what());
   }
 }
 
-void LocalizationNode::useMap(const std::shared_ptr<MapModel>& map) {
+void LocalizationNode::report(const MapSummary& summary) {
+  ROS_INFO("%s", describe(summary).c_str());
+  for (const std::string& line : summary.warnings) {
+    const bool said =
+        std::find(map_warnings_.begin(), map_warnings_.end(), line) != map_warnings_.end();
+    if (!said) ROS_WARN("the map: %s", line.c_str());
+  }
+  map_warnings_ = summary.warnings;
+}
+
+void LocalizationNode::useMap(const std::shared_ptr<MapModel>& map, const MapSummary& summary) {
+  report(summary);
   const GridGeometry& geometry = map->grid.geometry();
-  ROS_INFO("map of %d x %d cells at %g m", geometry.width, geometry.height, geometry.resolution);
   bool start_anywhere;
   std::optional<PoseEstimate> pose;
   {

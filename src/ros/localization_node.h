@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "racecar_mcl/localizer.h"
+#include "racecar_mcl/map_summary.h"
 #include "racecar_mcl/silence.h"
 #include "ros/conversions.h"
 #include "ros/diagnostics.h"
@@ -66,7 +67,7 @@ class LocalizationNode {
 
   // The worker's tasks.
   void buildMap();
-  void useMap(const std::shared_ptr<MapModel>& map);
+  void useMap(const std::shared_ptr<MapModel>& map, const MapSummary& summary);
   void processScan();
   void start(const PoseEstimate& pose);
   void startGlobally();
@@ -82,6 +83,8 @@ class LocalizationNode {
   void noteScan(const ScanResult& result, ros::WallTime arrival);
   void reportDropped(ScanOutcome outcome);
   bool isStampRefused(const std::string& what, const ros::Time& stamp);
+  /// Says what the map is, and of its warnings those that the map before did not have.
+  void report(const MapSummary& summary);
   /// Says what comes with every message now and then.
   void warn(const std::string& subject, const std::string& reason);
   /// Counts what went wrong, and keeps it for the diagnostics.
@@ -117,6 +120,7 @@ class LocalizationNode {
 
   LatestSlot<ReceivedScan> newest_scan_;
   LatestSlot<nav_msgs::OccupancyGridConstPtr> newest_map_;
+  std::vector<std::string> map_warnings_;  ///< of the map in use; the worker's alone
   TaskThread map_builder_;
   TaskThread worker_;
 

@@ -239,6 +239,20 @@ TEST_F(LocalizationStartTest, AnotherMapWhileRunningKeepsThePose) {
   EXPECT_EQ(static_cast<std::size_t>(listener_.logged("localizing from")), starts);
 }
 
+TEST_F(LocalizationStartTest, SaysWhatItsMapIsAndWarnsOnce) {
+  startNode();
+  publishMap(testRoom(0.2));
+  ASSERT_TRUE(listener_.waitForLog(
+      "map of 42 x 32 cells at 0.2 m, 8.4 x 6.4 m: filled map (solid outside)"));
+  EXPECT_TRUE(listener_.waitForLog("the map: cells of 0.2 m are coarse"));
+  publishMap(testRoom(0.2));
+  ASSERT_TRUE(listener_.waitFor([&] { return listener_.logged("map of 42 x 32 cells") == 2; }));
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of 162 x 122 cells"));
+  EXPECT_EQ(listener_.logged("are coarse"), 1);
+  EXPECT_EQ(listener_.logged("the map: "), 1);
+}
+
 TEST_F(LocalizationStartTest, SaysWhenANewMapDoesNotHoldThePose) {
   startLocalized();
   const OccupancyGrid room = testRoom();
