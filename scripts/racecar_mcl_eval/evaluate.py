@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import EvaluationError, consistency, grid_map, judgement, run_figures, scan_fit
+from . import (EvaluationError, consistency, grid_map, judgement, protection, run_figures, scan_fit)
 from .command import exit_status
 from .page import Cell, Page
 from .run import TRUTH_TOPIC, load_folder, load_recorded, recorded_truth
@@ -204,7 +204,26 @@ def stretch_table(runs, lost_error, most=20):
     return rows
 
 
-def build(page, runs, told, fits, plan, lost_error):
+def level_table(runs, protected):
+    """How often errors exceed the level, and how much greater than the error it usually is."""
+    rows = []
+    for run, levels in zip(runs, protected):
+        for axis, name in enumerate(protection.AXES if levels is not None else ()):
+            unit, scale = ("deg", np.degrees(1.0)) if name == "heading" else ("m", 1.0)
+            above, medians = levels.share_above(axis), levels.medians_while_localized(axis)
+            row = [run.name, name,
+                   Cell(f"{100.0 * above:.2f}", "good" if above <= protection.RISK else "bad")]
+            if medians is None:
+                rows.append(row + ["–"] * 4)
+                continue
+            level, error = medians
+            rows.append(row + [f"{100.0 * levels.share_above_while_localized(axis):.2f}",
+                               f"{scale * level:.3f} {unit}", f"{scale * error:.3f} {unit}",
+                               f"{level / max(error, 1e-9):.1f}"])
+    return rows
+
+
+def build(page, runs, told, fits, protected, plan, lost_error):
     """Everything that the runs have something to show for."""
     named = ["what"] + [run.name for run in runs]
     numbers = page.section("Figures of merit")
@@ -235,6 +254,22 @@ def build(page, runs, told, fits, plan, lost_error):
         for index, (run, each) in enumerate(measured):
             section.figure(run_figures.consistency(run, each), f"consistency-{index + 1}",
                            f"{run.name}: error of each update and the band of ±3σ it claimed.")
+    levels = level_table(runs, protected)
+    if levels:
+        section = page.section("Protection level")
+        section.text("Is the error as small as the level promises? At most "
+                     f"{100.0 * protection.RISK:g} % of updates may exceed it; a level much greater "
+                     "than the error is safe but of little use.")
+        section.table(["run", "axis", "error above level (% of updates)", "while localized (%)",
+                       "median level", "median error", "level / error"], levels,
+                      "Medians and their ratio while localized. Along and across the estimated car.")
+        for index, (run, each) in enumerate(zip(runs, protected)):
+            if each is not None:
+                section.figure(run_figures.stanford(run, each), f"stanford-{index + 1}",
+                               f"{run.name}: error against level of every update (Stanford diagram). Below "
+                               "the diagonal the level misleads; above the alarm limit of "
+                               f"{protection.ALARM_LIMIT:g} m it is unavailable. What lies outside is "
+                               "shown at the edge.")
     if any(fit is not None for fit in fits):
         shown = [(run, fit) for run, fit in zip(runs, fits) if fit is not None]
         section = page.section("Scans on the map")
@@ -260,25 +295,39 @@ def build(page, runs, told, fits, plan, lost_error):
                           "Times count from the run's first estimate.")
         else:
             section.text("No run was lost or said so.")
+        for index, (run, each) in enumerate(zip(runs, protected)):
+            if run.updates.column("verdict") is not None:
+                section.figure(run_figures.status_over_time(run, each), f"status-{index + 1}",
+                               f"{run.name}: what it said of itself" +
+                               (" under its error" if run.errors is not None else "") +
+                               (", and what the map made of the scans."
+                                if run.updates.column("explained") is not None else "."))
 
 
 def evaluate(options):
     runs, bags = load_runs(options)
     plan = grid_map.load_map(options.map) if options.map else None
     laser_pose = parse_pose(options.laser_pose) if options.laser_pose else None
-    told, fits = [], []
+    told, fits, protected = [], [], []
     for run, recordings in zip(runs, bags):
-        told.append(consistency.measure(run, options.max_gap) if run.errors is not None else None)
+        known = run.errors is not None
+        told.append(consistency.measure(run, options.max_gap) if known else None)
+        protected.append(protection.measure(run, options.max_gap) if known else None)
         fits.append(scan_fit.measure(run, plan, recordings, options.scan_topic, options.base_frame,
                                      laser_pose, options.max_gap) if plan and recordings else None)
     page = Page(options.out, options.title, ", ".join(
         f"{run.name}: {run.trajectory.seconds()[-1]:.0f} s, {run.trajectory.length():.0f} m"
         for run in runs))
     page.banners = [judgement.judge(*each, options.lost) for each in zip(runs, told, fits)]
-    build(page, runs, told, fits, plan, options.lost)
+    build(page, runs, told, fits, protected, plan, options.lost)
     path = page.write()
     for banner in page.banners:
         print(f"{banner.name}: {banner.headline}: {'; '.join(banner.reasons)}")
+    for run, levels in zip(runs, protected):
+        if levels is not None:
+            print(f"{run.name}: error above its level in " + ", ".join(
+                f"{100.0 * levels.share_above(axis):.2f} % {name}"
+                for axis, name in enumerate(protection.AXES)) + " of updates")
     print(f"page: {path}")
 
 

@@ -1,14 +1,16 @@
 """The figures of one or several runs, side by side. Each function returns a matplotlib figure."""
 import numpy as np
 from matplotlib.collections import LineCollection
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from . import protection
 from . import scan_fit as fit
 from .consistency import AXES, CHI2_95, round_text
 from .style import (BAD, COLOURS, DOUBTFUL, GOOD, TRUTH, VERDICTS, WIDTH, colour, frame_on,
                     new_figure, plt)
+from .trajectory import spans
 
 # The truth where an estimate is drawn over it.
 TRUTH_UNDER = "#b3b9c1"
@@ -17,6 +19,10 @@ WORST_SHOWN = 1.0
 ERROR_COLOURS = "rainbow"
 _DEGREES_PER_UNIT = (1.0, 1.0, 180.0 / np.pi)
 _FIT_COLOURS = ListedColormap([GOOD, BAD])
+# What became of a scan's beams, by the columns of updates.csv.
+_BEAMS = {"explained": GOOD, "obstructed": "#56b4e9", "contradicted": BAD, "unmapped": "#c3c8cf"}
+# Stanford diagrams: least and greatest shown of errors and levels, m and degrees.
+_SHOWN = ((1e-3, 20.0), (1e-3, 20.0), (1e-2, 180.0))
 
 
 def plan_grid(count, points):
@@ -251,6 +257,95 @@ def timeline(runs, rows):
                            list(VERDICTS.items()) + [("update not usable", "#000000")]],
                   loc="upper center", ncol=5, bbox_to_anchor=(0.5, 1.18))
     return figure
+
+
+def _verdict_band(axes, seconds, verdict):
+    """The verdicts as colours, each until the next update."""
+    until = np.append(seconds[1:], seconds[-1])
+    for word, shade in VERDICTS.items():
+        bars = [(seconds[first], until[last] - seconds[first])
+                for first, last in spans(np.arange(len(verdict)), verdict == word)]
+        axes.broken_barh(bars, (0.0, 1.0), color=shade, linewidth=0)
+    axes.set(ylim=(0.0, 1.0), yticks=[])
+    axes.set_ylabel("verdict", rotation=0, ha="right", va="center")
+    axes.grid(False)
+    axes.legend(handles=[Patch(color=shade, label=word) for word, shade in VERDICTS.items()],
+                loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=4, frameon=False)
+
+
+def _beam_shares(axes, seconds, updates):
+    """What the map made of the scans. Older results have a part of the columns, or none."""
+    told = {word: updates.column(word) for word in _BEAMS if updates.column(word) is not None}
+    axes.stackplot(seconds, [100.0 * share for share in told.values()], labels=list(told),
+                   colors=[_BEAMS[word] for word in told], alpha=0.65, linewidth=0)
+    conflict = updates.column("conflict")
+    if conflict is not None:
+        axes.plot(seconds, 100.0 * conflict, color=TRUTH, linewidth=1.0, label="conflict")
+    axes.set_ylim(0.0, 100.5)
+    axes.set_ylabel("beams (%)")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=5, frameon=False)
+
+
+def status_over_time(run, protected):
+    """The error, where there is a truth, with the level where there is one; below it the verdict
+    and, where the run tells, what the map made of the scans."""
+    seconds = (run.updates.stamps - run.start) * 1e-9
+    heights = ([3.0] if run.errors is not None else []) + [0.3]
+    heights += [2.0] if run.updates.column("explained") is not None else []
+    figure, axes = new_figure(len(heights), 1, height=1.0 + 1.1 * sum(heights), sharex=True,
+                              gridspec_kw={"height_ratios": heights})
+    axes = list(axes[:, 0])
+    if run.errors is not None:
+        position = axes.pop(0)
+        position.semilogy(run.errors.seconds(run.start), np.maximum(run.errors.position, 1e-3),
+                          color=COLOURS[0], linewidth=1.0, label="error")
+        if protected is not None:
+            position.plot((protected.stamps - run.start) * 1e-9, np.hypot(*protected.levels[:, :2].T),
+                          color=DOUBTFUL, linewidth=1.0, label="level along and across, together")
+        position.set_ylabel("position (m)")
+        position.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=2, frameon=False)
+    _verdict_band(axes[0], seconds, run.updates.column("verdict"))
+    if len(axes) > 1:
+        _beam_shares(axes[1], seconds, run.updates)
+    _time_axis(axes[-1])
+    figure.suptitle(run.name, fontsize=11, fontweight="bold")
+    return figure
+
+
+def stanford(run, protected):
+    """Error against level of every update, an axis each: how often which pair."""
+    figure, axes = new_figure(1, 3, height=4.0)
+    norm = LogNorm(1.0, max(10.0, len(protected.stamps)))
+    for axis, (plan, name) in enumerate(zip(axes[0], protection.AXES)):
+        low, high = _SHOWN[axis]
+        unit, scale = ("deg", 180.0 / np.pi) if name == "heading" else ("m", 1.0)
+        error, level = (np.clip(scale * values[:, axis], low, high)
+                        for values in (protected.errors, protected.levels))
+        bins = np.geomspace(low, high, 46)
+        shown = plan.hist2d(error, level, bins=[bins, bins], cmap="viridis", norm=norm, cmin=1,
+                            zorder=3)[3]
+        plan.fill_between((low, high), (low, high), low, color=BAD, alpha=0.12, linewidth=0)
+        plan.plot((low, high), (low, high), color=BAD, linewidth=1.0, zorder=2)
+        shares = protected.regions(axis)
+        _region_name(plan, 0.97, 0.03, "misleading", shares, BAD, "bottom")
+        _region_name(plan, 0.03, 0.27, "nominal", shares, GOOD, "bottom")
+        limit = scale * protection.alarm_limit(axis)
+        if limit < high:
+            above = np.array((low, limit, high))
+            plan.fill_between(above, np.maximum(above, limit), high, color=TRUTH_UNDER, alpha=0.35,
+                              linewidth=0)
+            plan.axhline(limit, color=TRUTH, linestyle="--", linewidth=1.0, zorder=2)
+            _region_name(plan, 0.03, 0.97, "unavailable", shares, TRUTH, "top")
+        plan.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high),
+                 xlabel=f"error {name} ({unit})", ylabel=f"level ({unit})")
+    figure.colorbar(shown, ax=list(axes[0]), shrink=0.75, pad=0.01, label="updates")
+    figure.suptitle(run.name, fontsize=11, fontweight="bold")
+    return figure
+
+
+def _region_name(axes, x, y, name, shares, shade, side):
+    axes.text(x, y, f"{name}\n{100.0 * shares[name]:.2f} %", transform=axes.transAxes, color=shade,
+              fontsize=9, ha="left" if x < 0.5 else "right", va=side, zorder=4)
 
 
 def scans_on_map(runs, fits, grid_map):
