@@ -3,8 +3,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .trajectory import poses_at
-
 WRONG = 0.5  # m, an estimate further off is wrong
 HELD_SHARE = 0.98  # of all scans from the first good one on that must be good for it to be held
 FOUND_WITHIN = 15.0  # m driven
@@ -30,16 +28,15 @@ def first_held(good):
 
 def measure(updates, truth):
     """Of the updates of one run, at the scans for which there is a truth; None where there is none."""
-    truth_poses, there = poses_at(truth, updates.stamps, np.inf)
-    if not there.any():
+    true = updates.against(truth)
+    if true is None:
         return None
-    truth_poses, poses = truth_poses[there], updates.poses[there]
-    good = np.hypot(*(poses - truth_poses)[:, :2].T) < WRONG
-    driven = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(truth_poses[:, :2], axis=0).T))))
-    durations = np.diff(updates.stamps[there], prepend=updates.stamps[there][0]) * 1e-9
-    verdict = updates.column("verdict")[there]
-    alarmed = np.isin(verdict, ("degraded", "lost"))
+    good = true.errors < WRONG
+    alarmed = np.isin(true.verdict, ("degraded", "lost"))
     first = first_held(good)
-    return GlobalStart(first is not None and driven[first] <= FOUND_WITHIN, float(durations.sum()),
-                       float(durations[~good & (verdict == "localized")].sum()),
-                       float(durations[good].sum()), float(durations[good & alarmed].sum()))
+
+    def seconds(flags):
+        return float(true.durations[flags].sum())
+    return GlobalStart(first is not None and bool(true.driven[first] <= FOUND_WITHIN),
+                       float(true.durations.sum()), seconds(~good & (true.verdict == "localized")),
+                       seconds(good), seconds(good & alarmed))

@@ -18,6 +18,16 @@ _WORDS = ("outcome", "verdict", "reason")
 
 
 @dataclass
+class TrueUpdates:
+    """The updates at which there is a truth, each standing for the time since the one before."""
+    stamps: np.ndarray     # ns
+    errors: np.ndarray     # m, of the position
+    durations: np.ndarray  # s
+    driven: np.ndarray     # m, since the first
+    verdict: np.ndarray
+
+
+@dataclass
 class Updates:
     """A row per scan that left an estimate. Columns that a source does not have are missing."""
     stamps: np.ndarray       # ns
@@ -31,6 +41,18 @@ class Updates:
     def column(self, name):
         """A column, or None where there is none."""
         return self.columns.get(name)
+
+    def against(self, truth):
+        """TrueUpdates, however far apart the truth's poses lie; None where there is no truth."""
+        true, there = poses_at(truth, self.stamps, np.inf)
+        if not there.any():
+            return None
+        true, stamps = true[there, :2], self.stamps[there]
+        return TrueUpdates(
+            stamps, np.hypot(*(self.poses[there, :2] - true).T),
+            np.diff(stamps, prepend=stamps[0]) * 1e-9,
+            np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(true, axis=0).T)))),
+            self.column("verdict")[there])
 
 
 @dataclass
