@@ -91,3 +91,16 @@ def load_map(path):
     cells[dark > occupied] = OCCUPIED
     cells[dark < free] = FREE
     return GridMap(str(path), np.ascontiguousarray(cells[::-1]), resolution, origin)
+
+
+def write_map(grid_map, path):
+    """Writes a map_server YAML and beside it its image, which load_map reads back."""
+    path = Path(path)
+    shades = np.empty(3, np.uint8)
+    shades[[FREE, OCCUPIED, UNKNOWN]] = 254, 0, 205
+    image = path.with_suffix(".pgm")
+    if not cv2.imwrite(str(image), shades[grid_map.cells[::-1]]):
+        raise EvaluationError(f"{image}: cannot be written")
+    path.write_text(f"image: {image.name}\nresolution: {grid_map.resolution!r}\n"
+                    f"origin: {[float(value) for value in grid_map.origin]}\n"
+                    "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n", encoding="utf-8")
