@@ -133,12 +133,13 @@ def matrix_of_pose(x, y, yaw):
 
 
 def read_scans(path, topic, most=1500, beams=200):
-    """At most `most` scans, spread evenly over the bag, of at most `beams` returns each, and the
-    lidar's frame."""
+    """At most `most` scans, spread evenly over the bag, of at most `beams` returns each (None: all),
+    and the lidar's frame."""
     spelled = find_topic(path, topic, "sensor_msgs/LaserScan")
     scans, frame = [], None
     with open_bag(path) as bag:
-        every = max(1, -(-bag.get_message_count(topic_filters=[spelled]) // most))
+        count = bag.get_message_count(topic_filters=[spelled])
+        every = max(1, -(-count // (most or max(1, count))))
         for index, (_, message, _) in enumerate(bag.read_messages(topics=[spelled])):
             frame = frame or message.header.frame_id
             if index % every == 0:
@@ -152,7 +153,7 @@ def to_scan(message, beams):
     ranges = np.asarray(message.ranges, dtype=float)
     returned = np.flatnonzero(np.isfinite(ranges) & (ranges > max(message.range_min, 0.0)) &
                               (ranges < message.range_max))
-    if len(returned) > beams:
+    if beams is not None and len(returned) > beams:
         returned = returned[np.linspace(0, len(returned) - 1, beams).astype(int)]
     bearings = message.angle_min + message.angle_increment * returned
     points = ranges[returned, None] * np.column_stack((np.cos(bearings), np.sin(bearings)))
