@@ -20,6 +20,11 @@ ESTIMATE_TOPIC = "/pf/pose/odom"
 MAX_GAP = 0.5  # s; no error is taken where poses lie further apart
 START_UP = 90.0  # s a graph may take to come up and go down, besides the bag
 
+# A map of a real building, where it is at hand, and a place in it from where the car drives on.
+REAL_MAP = "maps/stata_basement.yaml"
+REAL_START = "-53.456 5.101 -1.428"
+REAL_DURATION = 30.0  # s
+
 # What counts as localized.
 MEAN_LIMIT = 0.10  # m
 MAX_LIMIT = 0.50  # m
@@ -33,7 +38,8 @@ def parse(arguments):
         description="Without --bag: simulates a drive on the corridor map. Runs the ROS graph over the "
         "bag (roscore, map nodelet, localization nodelet, rosbag play; rviz if there is a display), "
         "prints errors, rate and update time, and draws map, truth and estimate. Exit status 1 when "
-        "the car was not localized.")
+        "the car was not localized. Where the folder that RACECAR_MCL_DATA names, else "
+        f"../shared/data beside the repository, holds {REAL_MAP}, a simulated drive there follows.")
     parser.add_argument("--headless", action="store_true", help="no rviz")
     parser.add_argument("--bag", type=Path, help="a bag of your own, with scans and odometry")
     parser.add_argument("--map", type=Path, help="its map, a map_server YAML")
@@ -156,6 +162,43 @@ def draw(runs, map_yaml, folder):
     return [folder / name for name in figures]
 
 
+def data_folder():
+    """Maps and recordings of real buildings, which are not part of this repository."""
+    return Path(os.environ.get("RACECAR_MCL_DATA", ROOT.parent / "shared/data"))
+
+
+def since_localized(run, truth):
+    """Errors from the update on that was first called localized, as a line."""
+    said = np.flatnonzero(run.updates.column("verdict") == "localized")
+    if len(said) == 0:
+        return "never localized"
+    first = run.updates.stamps[said[0]]
+    errors = compare(run.trajectory, truth, MAX_GAP)
+    position = errors.position[errors.stamps >= first]
+    return (f"localized after {(first - run.updates.stamps[0]) * 1e-9:.1f} s; from then on position "
+            f"error {100 * position.mean():.1f} cm on average, {100 * position.max():.1f} cm at most")
+
+
+def show_real_building(out):
+    """Simulates a drive in the map of a real building, if it is there, and replays it."""
+    world = data_folder() / REAL_MAP
+    if not world.is_file():
+        return
+    recording, tum = out / "building.bag", out / "building.tum"
+    print(f"\nsimulating {REAL_DURATION:g} s on {world.name}, and replaying them")
+    try:
+        programs.run("simulate_bag", ["--map", world, "--out", recording, "--truth", tum, "--start",
+                                      REAL_START, "--duration", REAL_DURATION, "--seed", 1])
+    except EvaluationError as error:
+        print(f"not driven: {error}")
+        return
+    truth = read_tum(tum)
+    for name, option, folder in (("from the true start", "--initial-pose-from-truth", "building"),
+                                 ("anywhere on the map", "--global", "building_global")):
+        programs.run("replay", ["--bag", recording, "--map", world, "--out", out / folder, option])
+        print(f"{name}: {since_localized(load_folder(out / folder), truth)}")
+
+
 def demo(options):
     options.out.mkdir(parents=True, exist_ok=True)
     options.out = options.out.resolve()
@@ -207,6 +250,8 @@ def demo(options):
     odometry_rate = counts[options.odom_topic] / max(duration, 1e-9)
     problems = judge(live, agreeing, odometry_rate >= RATE_LIMIT)
     print("localized" if not problems else "NOT localized: " + "; ".join(problems))
+    if options.bag is None:
+        show_real_building(options.out)
     return 1 if problems else 0
 
 

@@ -1,0 +1,90 @@
+#!/usr/bin/python3
+"""The demo's second part, in a building of the test's own."""
+import contextlib
+import io
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy
+import rosunit
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from racecar_mcl_eval import EvaluationError, demo, programs, trajectory  # noqa: E402
+from racecar_mcl_eval.grid_map import FREE, OCCUPIED, GridMap, write_map  # noqa: E402
+from racecar_mcl_eval.run import Run, Updates  # noqa: E402
+
+
+class RealBuilding(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = Path(scratch.name)
+        self.data, self.out = self.folder / "data", self.folder / "out"
+        self.out.mkdir()
+
+    def show(self):
+        """What the part prints."""
+        with mock.patch.dict(os.environ, {"RACECAR_MCL_DATA": str(self.data)}), \
+                contextlib.redirect_stdout(io.StringIO()) as printed:
+            demo.show_real_building(self.out)
+        return printed.getvalue().strip().splitlines()
+
+    def build(self, shade):
+        """A hall of 16 m by 12 m with a block on one side, round the demo's start."""
+        x, y, _ = map(float, demo.REAL_START.split())
+        cells = numpy.full((240, 320), shade, numpy.uint8)
+        cells[[0, -1]], cells[:, [0, -1]], cells[150:, 200:] = OCCUPIED, OCCUPIED, OCCUPIED
+        path = self.data / demo.REAL_MAP
+        path.parent.mkdir(parents=True)
+        write_map(GridMap("hall", cells, 0.05, (x - 8.0, y - 6.0, 0.0)), path)
+
+    def testWithoutTheMapItSaysNothing(self):
+        self.assertEqual(self.show(), [])
+        self.assertEqual(list(self.out.iterdir()), [])
+
+    def testTellsTheErrorsFromBothStarts(self):
+        self.build(FREE)
+        with mock.patch.object(demo, "REAL_DURATION", 5.0):
+            first, *starts = self.show()
+        self.assertIn("stata_basement.yaml", first)
+        self.assertEqual([line.split(":")[0] for line in starts],
+                         ["from the true start", "anywhere on the map"])
+        self.assertRegex(starts[0], r"localized after 0\.\d s; .* error \d\.\d cm on average, \d+\.\d cm at most")
+
+    def testADriveThatCannotBeSimulatedIsNoFailure(self):
+        self.build(OCCUPIED)
+        self.assertRegex(self.show()[-1], "^not driven: ")
+
+    def testAReplayThatFailsIsOne(self):
+        self.build(FREE)
+        run = programs.run
+
+        def fail(name, words):
+            if name == "replay":
+                raise EvaluationError("replay broke")
+            return run(name, words)
+        with mock.patch.object(programs, "run", fail), mock.patch.object(demo, "REAL_DURATION", 1.0):
+            with self.assertRaisesRegex(EvaluationError, "replay broke"):
+                self.show()
+
+    def testErrorsCountFromWhereTheRunIsFirstCalledLocalized(self):
+        stamps = numpy.arange(4) * 10**8
+        truth = trajectory.Trajectory(stamps, numpy.zeros((4, 3)))
+        poses = numpy.array([(9.0, 0, 0), (8.0, 0, 0), (0.1, 0, 0), (0.3, 0, 0)])
+
+        def told(*verdicts):
+            updates = Updates(stamps, poses, numpy.zeros((4, 3, 3)), {"verdict": numpy.array(verdicts)})
+            return demo.since_localized(Run("run", Path("run"), trajectory.Trajectory(stamps, poses), updates),
+                                        truth)
+        self.assertEqual(told("converging", "converging", "localized", "degraded"),
+                         "localized after 0.2 s; from then on position error 20.0 cm on average, "
+                         "30.0 cm at most")
+        self.assertEqual(told(*["converging"] * 4), "never localized")
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("racecar_mcl", "demo_test", "__main__", sysargs=sys.argv)
