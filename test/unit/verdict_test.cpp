@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <string>
 
 #include "racecar_mcl/errors.h"
 
@@ -13,9 +15,18 @@ namespace {
 class VerdictTest : public ::testing::Test {
  protected:
   VerdictTest() {
-    evidence_.fit = {0.95, 100};
+    explain(0.95);
+    evidence_.fit.beams = 100;
     evidence_.position_sigma = 0.02;
     evidence_.travelled = 0.075;
+  }
+
+  /// The other beams end where the map is unknown, but for those that contradict it.
+  void explain(double share, double contradicted = 0.0, double obstructed = 0.0) {
+    evidence_.fit.explained = share;
+    evidence_.fit.contradicted = contradicted;
+    evidence_.fit.obstructed = obstructed;
+    evidence_.fit.unmapped = 1.0 - share - contradicted - obstructed;
   }
 
   /// The state after so many seconds of the same evidence.
@@ -42,37 +53,85 @@ TEST_F(VerdictTest, ConvergesUntilASinglePlaceIsLeft) {
 TEST_F(VerdictTest, IsNotLocalizedUntilASecondSearchAgrees) {
   evidence_.unconfirmed = true;
   EXPECT_EQ(after(2.0), VerdictState::kConverging);
-  evidence_.fit.explained = 0.3;
+  explain(0.3, 0.7);
   EXPECT_EQ(after(2.0), VerdictState::kLost);
-  evidence_.fit.explained = 0.95;
+  explain(0.95);
+  EXPECT_EQ(after(2.0), VerdictState::kConverging);
   evidence_.unconfirmed = false;
   EXPECT_EQ(after(2.0), VerdictState::kLocalized);
 }
 
 TEST_F(VerdictTest, IsNotLocalizedWhereAStartIsExplainedBadly) {
-  evidence_.fit.explained = 0.65;
+  explain(0.6);
   EXPECT_EQ(after(5.0), VerdictState::kConverging);
+  EXPECT_FALSE(judge_.wasLocalized());
 }
 
-TEST_F(VerdictTest, IsLostWithinASecondOfBeamsThatNothingExplains) {
+TEST_F(VerdictTest, KnowsWhetherItWasLocalizedSinceTheStart) {
+  EXPECT_FALSE(judge_.wasLocalized());
+  after(1.0);
+  EXPECT_TRUE(judge_.wasLocalized());
+  explain(0.3, 0.5);
+  EXPECT_EQ(after(1.0), VerdictState::kLost);
+  EXPECT_TRUE(judge_.wasLocalized());
+  judge_.startAgain();
+  EXPECT_FALSE(judge_.wasLocalized());
+}
+
+TEST_F(VerdictTest, IsLostWithinASecondOfBeamsThatPassThroughWalls) {
   EXPECT_EQ(after(5.0), VerdictState::kLocalized);
-  evidence_.fit.explained = 0.3;
+  explain(0.3, 0.5);
   EXPECT_EQ(after(0.5), VerdictState::kLost);
-  EXPECT_GT(judge_.doubtfulFor(), 0.2);
-  EXPECT_GT(judge_.doubtfulScans(), 10);
-  evidence_.fit.explained = 0.95;
+  EXPECT_NEAR(judge_.verdict().conflict, 0.43, 0.03);
+  explain(0.95);
   EXPECT_EQ(after(1.5), VerdictState::kLocalized);
-  EXPECT_EQ(judge_.doubtfulFor(), 0.0);
-  EXPECT_EQ(judge_.doubtfulScans(), 0);
+  EXPECT_LT(judge_.verdict().conflict, 0.01);
 }
 
-TEST_F(VerdictTest, CountsDoubtOnWhereTheClockJumpsBack) {
+TEST_F(VerdictTest, CountsABeamThatEndsBeforeAWallHalf) {
+  after(20.0);  // until no conflict is usual
+  explain(0.4, 0.0, 0.3);
+  EXPECT_EQ(after(3.0), VerdictState::kDegraded);
+  EXPECT_NEAR(judge_.verdict().conflict, 0.15, 0.01);
+  explain(0.4, 0.0, 0.6);
+  EXPECT_EQ(after(3.0), VerdictState::kLost);
+  EXPECT_NEAR(judge_.verdict().conflict, 0.3, 0.01);
+  explain(0.4, 0.3, 0.0);
+  EXPECT_EQ(after(3.0), VerdictState::kLost);
+  EXPECT_NEAR(judge_.verdict().conflict, 0.3, 0.01);
+}
+
+TEST_F(VerdictTest, IsDegradedNotLostWhereTheMapIsSilent) {
   EXPECT_EQ(after(5.0), VerdictState::kLocalized);
-  evidence_.fit.explained = 0.3;
+  EXPECT_FALSE(judge_.mapIsSilent());
+  EXPECT_EQ(judge_.verdict().carried, 0.0);
+  explain(0.05);
+  for (int second = 0; second < 20; ++second) {
+    EXPECT_EQ(after(1.0), VerdictState::kDegraded) << second;
+  }
+  EXPECT_TRUE(judge_.mapIsSilent());
+  EXPECT_EQ(judge_.verdict().conflict, 0.0);
+  EXPECT_NEAR(judge_.verdict().carried, 60.0, 0.5);
+  EXPECT_NEAR(judge_.usual(), 0.95, 0.01) << "it teaches nothing of the map";
+  explain(0.95);
+  EXPECT_EQ(after(1.5), VerdictState::kLocalized);
+  EXPECT_FALSE(judge_.mapIsSilent());
+  EXPECT_EQ(judge_.verdict().carried, 0.0);
+}
+
+TEST_F(VerdictTest, IsNotLostWhereMostBeamsAreExplained) {
+  EXPECT_EQ(after(5.0), VerdictState::kLocalized);
+  explain(0.55, 0.45);
+  EXPECT_EQ(after(3.0), VerdictState::kDegraded);
+  EXPECT_GT(judge_.verdict().conflict, 0.4);
+}
+
+TEST_F(VerdictTest, StaysLostWhereTheClockJumpsBack) {
+  EXPECT_EQ(after(5.0), VerdictState::kLocalized);
+  explain(0.3, 0.5);
   EXPECT_EQ(after(1.0), VerdictState::kLost);
   evidence_.stamp -= 100.0;
   EXPECT_EQ(after(0.5), VerdictState::kLost);
-  EXPECT_NEAR(judge_.doubtfulFor(), 0.475, 1e-6);
 }
 
 TEST_F(VerdictTest, SaysThatScansAreUnusableWhereTheClockJumpsBack) {
@@ -84,31 +143,51 @@ TEST_F(VerdictTest, SaysThatScansAreUnusableWhereTheClockJumpsBack) {
 
 TEST_F(VerdictTest, IsDegradedWhereAFewBeamsMoreThanUsualAreUnexplained) {
   EXPECT_EQ(after(10.0), VerdictState::kLocalized);
-  evidence_.fit.explained = 0.8;
+  explain(0.8);
   EXPECT_EQ(after(0.5), VerdictState::kDegraded);
 }
 
 TEST_F(VerdictTest, LearnsHowMuchAMapExplains) {
-  evidence_.fit.explained = 0.82;  // less than any map at first, but not too little
+  explain(0.82);  // less than any map at first, but not too little
   EXPECT_EQ(after(20.0), VerdictState::kLocalized);
   EXPECT_NEAR(judge_.verdict().usually, 0.82, 0.02);
-  evidence_.fit.explained = 0.72;
+  explain(0.72, 0.2);
   EXPECT_NE(after(0.7), VerdictState::kLost);
 }
 
-TEST_F(VerdictTest, TakesALowShareForUsualWhereASearchWasInVain) {
-  evidence_.fit.explained = 0.75;
-  EXPECT_EQ(after(1.0), VerdictState::kConverging);
-  judge_.acceptAsUsual();
-  EXPECT_EQ(after(0.1), VerdictState::kLocalized);
+TEST_F(VerdictTest, LearnsALowShareOfScansThatDoNotContradictTheMap) {
+  EXPECT_EQ(after(1.0), VerdictState::kLocalized);
+  explain(0.72, 0.0, 0.2);
+  EXPECT_EQ(after(0.5), VerdictState::kDegraded);
+  EXPECT_EQ(after(20.0), VerdictState::kLocalized);
+  EXPECT_NEAR(judge_.verdict().usually, 0.72, 0.01);
 }
 
-TEST_F(VerdictTest, NeverTakesHalfTheBeamsForEnough) {
+TEST_F(VerdictTest, LearnsNothingOfScansThatContradictTheMap) {
   EXPECT_EQ(after(1.0), VerdictState::kLocalized);
-  evidence_.fit.explained = 0.4;
-  after(1.0);
-  judge_.acceptAsUsual();
-  EXPECT_EQ(after(0.1), VerdictState::kLost);
+  explain(0.66, 0.34);
+  after(1.5);  // until it is averaged
+  const double usual = judge_.usual();
+  EXPECT_EQ(after(20.0), VerdictState::kDegraded);
+  EXPECT_EQ(judge_.usual(), usual);
+}
+
+TEST_F(VerdictTest, NeverTakesThreeFifthsOfTheBeamsForEnough) {
+  EXPECT_EQ(after(1.0), VerdictState::kLocalized);
+  explain(0.6);
+  after(2.0);
+  const double usual = judge_.usual();
+  EXPECT_EQ(after(100.0), VerdictState::kDegraded);
+  EXPECT_EQ(judge_.usual(), usual);
+}
+
+TEST_F(VerdictTest, LearnsHowMuchConflictIsUsualUpToALimit) {
+  explain(0.72, 0.1);
+  after(60.0);
+  EXPECT_NEAR(judge_.verdict().conflict, 0.0, 0.01);
+  explain(0.72, 0.28);
+  after(100.0);
+  EXPECT_NEAR(judge_.verdict().conflict, 0.03, 0.005);
 }
 
 TEST_F(VerdictTest, IsLostWhileItSearchesAgain) {
@@ -126,8 +205,8 @@ TEST_F(VerdictTest, IsDegradedWhereTheEstimateIsWide) {
 TEST_F(VerdictTest, IsDegradedWhereHardlyABeamReturns) {
   after(1.0);
   evidence_.fit = {};
-  EXPECT_EQ(after(0.1), VerdictState::kDegraded);
-  EXPECT_EQ(judge_.doubtfulFor(), 0.0) << "nothing to search the map with";
+  EXPECT_EQ(after(3.0), VerdictState::kDegraded);
+  EXPECT_EQ(judge_.verdict().conflict, 0.0) << "nothing to search the map with";
 }
 
 TEST_F(VerdictTest, IsDegradedWhereScansCorrectTheOdometryAllTheTime) {
@@ -165,12 +244,19 @@ TEST_F(VerdictTest, AStartForgetsWhatWasKnownOfThePose) {
 }
 
 TEST_F(VerdictTest, SaysItsReasonWithoutCommas) {
-  for (const double explained : {0.95, 0.8, 0.3}) {
-    evidence_.fit.explained = explained;
-    after(1.0);
+  const auto expectReason = [this](VerdictState state) {
+    EXPECT_EQ(after(1.0), state);
     EXPECT_FALSE(judge_.verdict().reason.empty());
     EXPECT_EQ(judge_.verdict().reason.find(','), std::string::npos);
-  }
+  };
+  explain(0.5);
+  expectReason(VerdictState::kConverging);
+  explain(0.95);
+  expectReason(VerdictState::kLocalized);
+  explain(0.4);
+  expectReason(VerdictState::kDegraded);
+  explain(0.3, 0.7);
+  expectReason(VerdictState::kLost);
 }
 
 TEST(VerdictParameters, OutOfRangeIsRefused) {
@@ -178,7 +264,7 @@ TEST(VerdictParameters, OutOfRangeIsRefused) {
   for (const double bad : {-1.0, nan, 1e9}) {
     for (double VerdictParameters::*value :
          {&VerdictParameters::verdict_time, &VerdictParameters::degraded_deviations,
-          &VerdictParameters::lost_below, &VerdictParameters::localized_sigma,
+          &VerdictParameters::lost_conflict, &VerdictParameters::localized_sigma,
           &VerdictParameters::odometry_disagreement}) {
       VerdictParameters p;
       p.*value = bad;
