@@ -184,6 +184,23 @@ INSTANTIATE_TEST_SUITE_P(Models, NoisyMotion,
                          testing::Values(MotionNoise::kConstant, MotionNoise::kDifferential,
                                          MotionNoise::kAckermann));
 
+TEST_P(NoisyMotion, HasTheCovarianceThatIsKnownBetter) {
+  Motion motion = motionOf({2.0, 0.0, 0.5}, 0.5);
+  motion.noise_factor = 3.0;
+  Eigen::Matrix3d known = Eigen::Vector3d(1e-4, 4e-4, 1e-5).asDiagonal();
+  known(0, 1) = known(1, 0) = 1e-4;
+  motion.covariance = known;
+  EXPECT_EQ(motionCovariance(noise(GetParam()), motion), known);
+  Random random(5);
+  ParticleSet particles = setAt({0.0, 0.0, 0.0}, kMany);
+  moveParticles(noise(GetParam()), motion, random, &particles);
+  const Eigen::Matrix3d spread = momentsOf(particles).covariance;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(spread(i, i), known(i, i), varianceTolerance(kMany) * known(i, i)) << i;
+  }
+  EXPECT_NEAR(spread(0, 1), known(0, 1), 1e-5);
+}
+
 TEST(ConstantNoise, IsTheReportsPerMessage) {
   MotionModelParameters parameters = noise(MotionNoise::kConstant);
   parameters.constant_x_sigma = 0.04;
