@@ -20,8 +20,8 @@ TEST_F(LocalizerTest, CountsEveryScanOnce) {
   localizer.initialize(startAt(truthAt(start_ + 0.4)));
   drive(&localizer, 0.4, 2.0);
   localizer.addScan(scanAt(start_ + 2.0));
+  start_pose_ = truthAt(start_ + 2.0);  // where it stands from now on
   twist_ = {};
-  start_pose_ = truthAt(start_);
   drive(&localizer, 2.0, 3.0);
   const LocalizerCounters& counters = localizer.counters();
   EXPECT_EQ(counters.scans_seen, 121u);
