@@ -29,5 +29,18 @@ TEST(MapModel, ExpectedRangesReachAsFarAsMeasuredOnes) {
   EXPECT_THROW(with(std::numeric_limits<double>::quiet_NaN()), ParameterError);
 }
 
+TEST(MapModel, RangesOfALikelihoodFieldReachAsFarAsItWeighsBeams) {
+  const auto maxRangeWith = [](double max_range) {
+    SensorParameters parameters = sensor(beamModel(), max_range);
+    parameters.sensor_model = SensorModel::kLikelihoodField;
+    parameters.field.field_max_range = 17.0;
+    return makeMapModel(asciiMap(kRoom, 0.1), parameters)->max_range;
+  };
+  EXPECT_EQ(maxRangeWith(0.0), 17.0f);
+  EXPECT_EQ(maxRangeWith(5.0), 5.0f) << "the beam table does not matter";
+  EXPECT_EQ(maxRangeWith(30.0), 30.0f);
+  EXPECT_THROW(maxRangeWith(-1.0), ParameterError);
+}
+
 }  // namespace
 }  // namespace racecar_mcl
