@@ -47,6 +47,18 @@ TEST_F(LocalizerTest, AParkedCarsCloudDoesNotGrow) {
   EXPECT_LE(localizer.estimateAt(start_ + 10.0)->covariance.trace(), before);
 }
 
+TEST_F(LocalizerTest, LooksAgainWhereAParkedCarIsCarriedAway) {
+  twist_ = {};
+  Localizer localizer = started();
+  drive(&localizer, 0.0, 1.0);
+  ASSERT_EQ(localizer.verdict().state, VerdictState::kLocalized);
+  start_pose_ = {6.0, 3.5, 1.0};  // on somebody's arms: the wheels stand
+  int used = 0;
+  drive(&localizer, 1.0, 2.0,
+        [&](const ScanResult& result) { used += result.outcome == ScanOutcome::kUsed ? 1 : 0; });
+  EXPECT_GT(used, 20);
+}
+
 TEST_F(LocalizerTest, SilentOdometryIsNoSignThatTheCarStands) {
   Localizer localizer = started();
   drive(&localizer, 0.0, 1.0);
