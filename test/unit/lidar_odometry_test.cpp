@@ -182,6 +182,15 @@ TEST_F(LidarOdometryTest, CovarianceGrowsAlongACorridorWithoutFeatures) {
   EXPECT_GT(whole.covariance(0, 0), 5.0 * whole.covariance(1, 1));
 }
 
+TEST_F(LidarOdometryTest, KnowsNoMoreThanTheOdometryAlongACorridorWithoutFeatures) {
+  room_ = {1e6, 3.0};
+  start_ = {5e5, 1.4, 0.0};
+  LidarOdometry odometry = fresh();
+  odometry.remember(scanAt(0.0), truthAt(0.0));
+  const Way way = drive(&odometry, 2.0, 0.0);
+  EXPECT_GT(way.covariance(0, 0), 0.8 * way.usual(0, 0));
+}
+
 TEST_F(LidarOdometryTest, ForgetsItsKeyframesWithAReset) {
   LidarOdometry odometry = fresh();
   odometry.remember(scanAt(0.0), truthAt(0.0));
