@@ -106,6 +106,12 @@ TEST(BlurredSurfaces, AreNoThinWalls) {
   }
 }
 
+TEST(BlurredSurfaces, AreNoThinWallsAtTheEdgeOfTheImage) {
+  for (const int thickness : {1, 4, 6, 8}) {
+    EXPECT_EQ(blurredIn("......" + cells(thickness, '#')), cells(6 + thickness, '.')) << thickness;
+  }
+}
+
 TEST(BlurredSurfaces, AreNoFilledAreasOfTwoMetres) {
   EXPECT_EQ(blurredIn("......" + cells(40, '#') + "......"), cells(52, '.'));
 }
