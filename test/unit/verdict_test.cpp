@@ -67,6 +67,12 @@ TEST_F(VerdictTest, IsNotLocalizedWhereAStartIsExplainedBadly) {
   EXPECT_FALSE(judge_.wasLocalized());
 }
 
+TEST_F(VerdictTest, IsNotLocalizedWhereAStartContradictsTheMap) {
+  explain(0.68, 0.28);
+  EXPECT_EQ(after(5.0), VerdictState::kConverging);
+  EXPECT_FALSE(judge_.wasLocalized());
+}
+
 TEST_F(VerdictTest, KnowsWhetherItWasLocalizedSinceTheStart) {
   EXPECT_FALSE(judge_.wasLocalized());
   after(1.0);
