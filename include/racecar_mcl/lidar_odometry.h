@@ -50,6 +50,8 @@ class LidarOdometry {
   std::optional<LikelihoodField> field_;  ///< of the keyframes; none while only remembering
   Pose2 base_;                            ///< at the last scan, in the frame of the keyframes
   double since_keyframe_ = 0.0;           ///< m driven
+  Eigen::Matrix3d reported_ = Eigen::Matrix3d::Zero();  ///< covariance that went with the motions
+                                                        ///< since the keyframe
 };
 
 }  // namespace racecar_mcl

@@ -212,6 +212,7 @@ class Localizer {
   void weigh(ScanTask* task);
   void verify(bool was_converging, ScanTask* task);
   Verdict judge(const ScanTask& task);
+  void lookForConflict(const ScanResult& result);
   void learnDoubt(const ScanTask& task);
   void anchorHere();
 

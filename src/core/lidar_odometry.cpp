@@ -1,5 +1,6 @@
 #include "racecar_mcl/lidar_odometry.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -20,6 +21,13 @@ ParticleFilterParameters trackingOnly(ParticleFilterParameters parameters) {
   parameters.estimate = EstimateFrom::kMean;
   parameters.settling_updates = 0;
   return parameters;
+}
+
+/// The nearest positive semidefinite matrix.
+Eigen::Matrix3d positivePart(const Eigen::Matrix3d& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(0.5 * (matrix + matrix.transpose()));
+  return parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         parts.eigenvectors().transpose();
 }
 
 }  // namespace
@@ -95,6 +103,7 @@ void LidarOdometry::restart(const Pose2& base) {
   PoseEstimate start{base, Eigen::Matrix3d::Zero()};
   start.covariance.diagonal() = kKeyframeSigma.cwiseAbs2();
   filter_.initialize(start);
+  reported_ = start.covariance;
 }
 
 Motion LidarOdometry::refine(const Motion& motion, const Scan& beams) {
@@ -115,14 +124,14 @@ Motion LidarOdometry::refine(const Motion& motion, const Scan& beams) {
   base_ = update.estimate.base_in_map;
   Motion refined = motion;
   refined.delta = between(before, base_);
-  const double travelled = distance(before, base_) + kMetresPerRadian * std::abs(refined.delta.yaw);
-  since_keyframe_ += travelled;
-  // The error of a match stays once a keyframe is taken from it; until then it does not add up.
+  since_keyframe_ += distance(before, base_) + kMetresPerRadian * std::abs(refined.delta.yaw);
+  // Of the error of a match only what is new since the scan before goes with this motion.
+  const Eigen::Matrix3d added = positivePart(update.estimate.covariance - reported_);
+  reported_ += added;
   const double c = std::cos(before.yaw), s = std::sin(before.yaw);
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() << c, s, -s, c;
-  refined.covariance =
-      std::min(1.0, travelled / kSpacing) * turn * update.estimate.covariance * turn.transpose();
+  refined.covariance = turn * added * turn.transpose();
   if (since_keyframe_ >= kSpacing) {
     addKeyframe(beams, base_);
     buildField();

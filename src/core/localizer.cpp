@@ -293,6 +293,12 @@ Verdict Localizer::judge(const ScanTask& task) {
   return judge_.judge(evidence);
 }
 
+void Localizer::lookForConflict(const ScanResult& result) {
+  challenge_pending_ =
+      recovery_.update({result.stamp, !filter_.converging(), result.verdict.conflict}) &&
+      parameters_.recovery && !verifier_.confirming() && !verifier_.challenging();
+}
+
 void Localizer::learnDoubt(const ScanTask& task) {
   // A jump to another place says nothing of the way there.
   if (task.moved() || task.result.update.converging) return doubt_.startAgain();
@@ -317,6 +323,7 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
       ++counters_.scans_parked;
       result.update.estimate = anchor_->estimate;
       result.verdict = judge(task);
+      lookForConflict(result);
       return result;
     default:
       ++counters_.scans_dropped;
@@ -330,9 +337,7 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   }
   if (task.rejected) recovery_.onRejected(result.stamp);
   result.verdict = judge(task);
-  challenge_pending_ =
-      recovery_.update({result.stamp, !result.update.converging, result.verdict.conflict}) &&
-      parameters_.recovery && !verifier_.confirming() && !verifier_.challenging();
+  lookForConflict(result);
   learnDoubt(task);
   if (task.moved() || result.update.converging) {
     lidar_odometry_.reset();
@@ -341,7 +346,8 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   }
   if (result.verdict.state == VerdictState::kLocalized) {
     calibration_.learn(task.motion, task.correction);
-    if (map_->likelihood_field) {
+    // A sweep that may have been taken the other way about is bent.
+    if (map_->likelihood_field && !task.mirrored) {
       range_bias_.learn(*map_->likelihood_field, result.update.estimate.base_in_map, task.beams,
                         task.motion.distance);
     }

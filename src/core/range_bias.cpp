@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMaxBias = 0.1;         // m
 constexpr double kPriorSigma = 0.02;     // m, of the bias at the start
+constexpr double kDecorrelation = 0.5;   // m driven between independent scans
 constexpr float kMinRange = 0.01f;       // m, that a correction leaves
 constexpr double kGradientStep = 0.025;  // m, of the central differences on the field
 // What is known of the pose but for this scan: keeps the marginalisation regular where the scan
@@ -60,7 +61,8 @@ void RangeBias::learn(const LikelihoodField& field, const Pose2& base_in_map, co
     score += by;
     information += by * by.transpose();
   }
-  const double share = 1.0 / field.squash();
+  // Scans taken close together see the same surfaces.
+  const double share = std::min(1.0, travelled / kDecorrelation) / field.squash();
   score *= share;
   information *= share;
 

@@ -50,19 +50,46 @@ std::vector<std::uint8_t> thickerThan(double thickness, const std::vector<std::u
   return thick;
 }
 
+/// Of each cell how deep it lies inside the obstacles, in cells. Beyond the grid's edge they go on,
+/// or end.
+std::vector<float> depths(const std::vector<std::uint8_t>& obstacles, const GridGeometry& geometry,
+                          bool go_on_outside) {
+  const int margin = go_on_outside ? 0 : 1;
+  const int width = geometry.width + 2 * margin;
+  const int height = geometry.height + 2 * margin;
+  std::vector<std::uint8_t> open(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                                 1);
+  const auto at = [&](int column, int row) {
+    return static_cast<std::size_t>(row + margin) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column + margin);
+  };
+  std::size_t i = 0;
+  for (int row = 0; row < geometry.height; ++row) {
+    for (int column = 0; column < geometry.width; ++column) {
+      open[at(column, row)] = obstacles[i++] == 0 ? 1 : 0;
+    }
+  }
+  const std::vector<float> padded = obstacleDistances(open, width, height);
+  std::vector<float> depth;
+  depth.reserve(obstacles.size());
+  for (int row = 0; row < geometry.height; ++row) {
+    for (int column = 0; column < geometry.width; ++column)
+      depth.push_back(padded[at(column, row)]);
+  }
+  return depth;
+}
+
 }  // namespace
 
 Surfaces findSurfaces(const OccupancyGrid& grid) {
   const GridGeometry& geometry = grid.geometry();
   const std::vector<std::uint8_t> obstacles = obstacleMask(grid, UnknownIs::kFree);
   Surfaces surfaces{visibleObstacles(grid, obstacles), {}};
-
-  std::vector<std::uint8_t> open(obstacles.size());
-  std::transform(obstacles.begin(), obstacles.end(), open.begin(),
-                 [](std::uint8_t obstacle) { return obstacle == 0 ? 1 : 0; });
-  const std::vector<float> depth = obstacleDistances(open, geometry.width, geometry.height);
-  surfaces.blurred = thickerThan(kBlurredFrom, obstacles, depth, geometry);
-  const std::vector<std::uint8_t> filled = thickerThan(kFilledFrom, obstacles, depth, geometry);
+  // A wall at the edge of the image is as thick as it is drawn, but what is filled goes on outside.
+  surfaces.blurred =
+      thickerThan(kBlurredFrom, obstacles, depths(obstacles, geometry, false), geometry);
+  const std::vector<std::uint8_t> filled =
+      thickerThan(kFilledFrom, obstacles, depths(obstacles, geometry, true), geometry);
   for (std::size_t i = 0; i < filled.size(); ++i) {
     if (filled[i] != 0) surfaces.blurred[i] = 0;
   }

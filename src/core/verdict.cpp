@@ -25,6 +25,7 @@ constexpr double kSilent = 0.75;
 // A scan that is explained less, or that contradicts the map more, teaches nothing of the map.
 constexpr double kTeachesFrom = 0.65;
 constexpr double kTeachesConflict = 0.3;
+constexpr double kTeachesConflictAtFirst = 0.2;  // before the first time that it is localized
 constexpr double kUsualConflictAtFirst = 0.05;
 constexpr double kUsualConflictAtMost = 0.25;
 constexpr double kLostExplained = 0.5;  // who explains more is not lost
@@ -170,7 +171,8 @@ const Verdict& Judge::judge(const Evidence& evidence) {
   }
   if (verdict_.state == VerdictState::kLocalized) was_localized_ = true;
   if (!evidence.converging && !evidence.unconfirmed && explained_ >= kTeachesFrom &&
-      conflict_ <= kTeachesConflict && evidence.position_sigma <= parameters_.localized_sigma) {
+      conflict_ <= (was_localized_ ? kTeachesConflict : kTeachesConflictAtFirst) &&
+      evidence.position_sigma <= parameters_.localized_sigma) {
     learnUsual(evidence.travelled);
   }
   return verdict_;
