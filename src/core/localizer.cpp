@@ -15,6 +15,10 @@ namespace {
 constexpr double kParkedDistance = 1e-3;  // m
 constexpr double kParkedRotation = 1e-3;  // rad
 
+// By how much of a cell the surfaces about the car may be off together, as a sigma. A surface lies
+// anywhere in its cell; what is common to all of them the range bias takes out.
+constexpr double kSurfaceCells = 0.1;
+
 // The share of beams that the map must explain for scans to be trusted against the odometry.
 constexpr double kTrustedMap = 0.9;
 
@@ -221,6 +225,11 @@ void Localizer::processScan(ScanTask* task) {
     update = filter_.initializeGlobally(*map_, task->beams);
   } else {
     weigh(task);
+  }
+  // Scans know the surfaces no better than the map's cells show them.
+  const double surface_sigma = kSurfaceCells * map_->grid.geometry().resolution;
+  if (task->weigh) {
+    update.estimate.covariance.diagonal().head<2>().array() += surface_sigma * surface_sigma;
   }
   const Pose2& estimated = update.estimate.base_in_map;
   task->correction = between(predicted, estimated);
