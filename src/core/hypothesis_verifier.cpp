@@ -29,7 +29,7 @@ constexpr double kLongestChallenge = 15.0;  // m
 constexpr double kShort = -1.0;
 constexpr double kThrough = -2.0;
 constexpr double kUnexplained = -1.0;
-// Neighbouring beams err alike: so many count as one.
+// Neighbouring beams have correlated errors: this many count as one.
 constexpr double kBeamsPerObservation = 6.5;
 
 // How far off the carried pose may be beyond its covariance, and how much less likely a place can

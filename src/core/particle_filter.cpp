@@ -32,8 +32,9 @@ constexpr double kStepKernel = 0.3;
 // However little the car has moved, a scan of a settled set counts by this share.
 constexpr double kLeastNews = 0.1;
 
-/// What a scan may tell when the map explains this share of it: the largest log-likelihood ratio of
-/// a beam whose share of unexplained beams is not field_rand but what was seen.
+/// The information that is left in a scan of which the map explains this share: the largest
+/// log-likelihood ratio of a beam whose share of unexplained beams is not field_rand but what was
+/// seen.
 double informationOf(double explained) {
   constexpr double kUnexplainedOfGoodMaps = 0.1;
   const double unexplained = std::clamp(1.0 - explained, kUnexplainedOfGoodMaps, 0.999);
