@@ -229,7 +229,8 @@ void Localizer::processScan(ScanTask* task) {
   // Scans know the surfaces no better than the map's cells show them.
   const double surface_sigma = kSurfaceCells * map_->grid.geometry().resolution;
   if (task->weigh) {
-    update.estimate.covariance.diagonal().head<2>().array() += surface_sigma * surface_sigma;
+    update.estimate.covariance(0, 0) += surface_sigma * surface_sigma;
+    update.estimate.covariance(1, 1) += surface_sigma * surface_sigma;
   }
   const Pose2& estimated = update.estimate.base_in_map;
   task->correction = between(predicted, estimated);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMaxBias = 0.1;         // m
 constexpr double kPriorSigma = 0.02;     // m, of the bias at the start
-constexpr double kDecorrelation = 2.0;   // m driven between independent scans
+constexpr double kDecorrelation = 0.5;   // m driven between independent scans
 constexpr float kMinRange = 0.01f;       // m, that a correction leaves
 constexpr double kGradientStep = 0.025;  // m, of the central differences on the field
 // What is known of the pose but for this scan: keeps the marginalisation regular where the scan
