@@ -37,12 +37,15 @@ class RangeBias {
   void learn(const LikelihoodField& field, const Pose2& base_in_map, const Scan& beams,
              double travelled);
 
+  /// Forgets what was learned, as where it was learned from bent sweeps.
+  void reset();
+
   double bias() const { return bias_; }  ///< m
 
  private:
   RangeBiasParameters parameters_;
-  double bias_;
-  double information_;  ///< 1/m^2
+  double bias_ = 0.0;         ///< m
+  double information_ = 0.0;  ///< 1/m^2
 };
 
 }  // namespace racecar_mcl

@@ -364,6 +364,7 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
     if (task.mirrored && sweep_order_.learn(task.order_log_odds, task.turned)) {
       // What was learned of a sweep that went the other way says nothing of this one.
       calibration_.forgetDelay();
+      range_bias_.reset();
       doubt_.startAgain();
     }
   }

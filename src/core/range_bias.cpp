@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMaxBias = 0.1;         // m
 constexpr double kPriorSigma = 0.02;     // m, of the bias at the start
-constexpr double kDecorrelation = 0.5;   // m driven between independent scans
+constexpr double kDecorrelation = 2.0;   // m driven between independent scans
 constexpr float kMinRange = 0.01f;       // m, that a correction leaves
 constexpr double kGradientStep = 0.025;  // m, of the central differences on the field
 // What is known of the pose but for this scan: keeps the marginalisation regular where the scan
@@ -26,9 +26,14 @@ void validate(const RangeBiasParameters& p) {
 }
 
 RangeBias::RangeBias(const RangeBiasParameters& parameters)
-    : parameters_((validate(parameters), parameters)),
-      bias_(parameters.range_bias),
-      information_(1.0 / (kPriorSigma * kPriorSigma)) {}
+    : parameters_((validate(parameters), parameters)) {
+  reset();
+}
+
+void RangeBias::reset() {
+  bias_ = parameters_.range_bias;
+  information_ = 1.0 / (kPriorSigma * kPriorSigma);
+}
 
 void RangeBias::correct(Scan* scan) const {
   if (bias_ == 0.0) return;
@@ -61,16 +66,18 @@ void RangeBias::learn(const LikelihoodField& field, const Pose2& base_in_map, co
     score += by;
     information += by * by.transpose();
   }
-  // Scans taken close together see the same surfaces.
-  const double share = std::min(1.0, travelled / kDecorrelation) / field.squash();
+  const double share = 1.0 / field.squash();
   score *= share;
   information *= share;
 
   Eigen::Matrix3d of_pose = information.topLeftCorner<3, 3>();
   of_pose.diagonal() += kPosePriorSigma.cwiseAbs2().cwiseInverse();
   const Eigen::Vector3d shared = of_pose.ldlt().solve(information.topRightCorner<3, 1>());
-  const double of_bias = information(3, 3) - shared.dot(information.topRightCorner<3, 1>());
-  const double score_of_bias = score[3] - shared.dot(score.head<3>());
+  // Scans taken close together see the same surfaces.
+  const double news = std::min(1.0, travelled / kDecorrelation);
+  const double of_bias =
+      news * (information(3, 3) - shared.dot(information.topRightCorner<3, 1>()));
+  const double score_of_bias = news * (score[3] - shared.dot(score.head<3>()));
 
   const double keep = std::exp(-travelled / parameters_.range_bias_distance);
   const double prior = 1.0 / (kPriorSigma * kPriorSigma);
