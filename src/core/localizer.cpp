@@ -356,8 +356,9 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   }
   if (result.verdict.state == VerdictState::kLocalized) {
     calibration_.learn(task.motion, task.correction);
-    // A sweep that may have been taken the other way about is bent.
-    if (map_->likelihood_field && !task.mirrored) {
+    // A sweep that lies better on the map the other way about is bent.
+    const bool is_bent = task.mirrored && task.order_log_odds < 0.0;
+    if (map_->likelihood_field && !is_bent) {
       range_bias_.learn(*map_->likelihood_field, result.update.estimate.base_in_map, task.beams,
                         task.motion.distance);
     }
