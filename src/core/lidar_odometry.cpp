@@ -77,7 +77,8 @@ void LidarOdometry::buildField() {
     low = low.min(keyframe.ends.rowwise().minCoeff().array());
     high = high.max(keyframe.ends.rowwise().maxCoeff().array());
   }
-  low = low.max(centre - kReach) - kMargin;
+  // To whole cells: an end point lies in the same cell whenever the field is built anew.
+  low = ((low.max(centre - kReach) - kMargin) / kResolution).floor() * kResolution;
   high = high.min(centre + kReach) + kMargin;
   GridGeometry geometry;
   geometry.resolution = kResolution;

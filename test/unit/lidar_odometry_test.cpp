@@ -105,7 +105,7 @@ TEST_F(LidarOdometryTest, IsRightToCentimetresWhereWheelsAreRight) {
   LidarOdometry odometry = fresh();
   odometry.remember(scanAt(0.0), truthAt(0.0));
   const Way way = drive(&odometry, 10.0 / 3.0, 0.0);
-  expectNear(way.refined, truthAt(10.0 / 3.0), 0.06, 0.01);
+  expectNear(way.refined, truthAt(10.0 / 3.0), 0.04, 0.01);
   EXPECT_EQ(way.matched, 133);
 }
 
@@ -117,7 +117,7 @@ TEST_F(LidarOdometryTest, CorrectsMostOfWhatWheelsAreWrongByATenth) {
     const Pose2 truth = truthAt(10.0 / 3.0);
     EXPECT_NEAR(distance(way.by_wheels, truth), 1.0, 0.03);
     expectNear(way.refined, truth, 0.15, 0.01);
-    EXPECT_NEAR(way.refined.y, truth.y, 0.06);
+    EXPECT_NEAR(way.refined.y, truth.y, 0.04);
   }
 }
 
@@ -210,7 +210,7 @@ TEST_F(LidarOdometryTest, BeginsAnewInTheMapsFrameAfterItHasCarried) {
   const Pose2 corrected = compose(Pose2{0.4, 0.2, 0.1}, truthAt(0.0));
   odometry.remember(scanAt(0.0), corrected);
   const Way way = drive(&odometry, 0.5, 0.1);
-  expectNear(way.refined, truthAt(0.5), 0.05, 0.01);
+  expectNear(way.refined, truthAt(0.5), 0.03, 0.01);
 }
 
 TEST_F(LidarOdometryTest, StandsScansThatMetNothing) {
