@@ -13,6 +13,7 @@
 #include "racecar_mcl/map_model.h"
 #include "racecar_mcl/motion_model.h"
 #include "racecar_mcl/particle_filter.h"
+#include "racecar_mcl/scan_fit.h"
 #include "racecar_mcl/scan_weigher.h"
 
 namespace racecar_mcl {
@@ -53,8 +54,8 @@ class HypothesisVerifier {
   bool challenging() const { return purpose_ == Purpose::kChallenge; }
 
   /// Follows the car by one scan, after which it is taken to be at `carried`. To confirm a place, a
-  /// second search that ended where the scans fit far worse is begun again. No search is under way
-  /// after kConfirmed and kRejected.
+  /// second search that ended where the scans fit far worse, or where they contradict the map, is
+  /// begun again. No search is under way after kConfirmed and kRejected.
   Decision update(const Motion& motion, MapModel* map, const Scan& beams,
                   const PoseEstimate& carried);
 
@@ -65,6 +66,7 @@ class HypothesisVerifier {
   const ParticleSet& particles() const { return filter_.particles(); }
 
  private:
+  Decision agree(MapModel* map, const Scan& beams);
   Decision confirm(const Motion& motion, MapModel* map, const Scan& beams, const Pose2& carried);
   Decision challenge(const Motion& motion, MapModel* map, const Scan& beams,
                      const PoseEstimate& carried);
@@ -72,6 +74,7 @@ class HypothesisVerifier {
 
   ParticleFilter filter_;
   ScanWeigher weigher_;
+  ScanMatcher matcher_;
   ParticleSet both_;  ///< the candidate and the carried pose
   double news_distance_;
   std::optional<Purpose> purpose_;  ///< of the search under way

@@ -31,6 +31,10 @@ struct ScanFit {
   double obstructed = 0.0;    ///< kShort
   double contradicted = 0.0;  ///< kThrough
   double unmapped = 0.0;      ///< kUnmapped
+
+  /// The share that speaks against the pose. A beam that ends before a mapped surface counts by
+  /// half: people and boxes do that as well.
+  double conflict() const { return contradicted + 0.5 * obstructed; }
 };
 
 /// Compares scans with a map. Keeps its arrays from scan to scan: it allocates only where a scan

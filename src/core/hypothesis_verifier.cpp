@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "racecar_mcl/convergence.h"
-#include "racecar_mcl/scan_fit.h"
 
 namespace racecar_mcl {
 namespace {
@@ -15,6 +14,9 @@ namespace {
 // search costs little.
 constexpr double kTaken = 20.0;
 constexpr double kGivenUp = -10.0;
+// Two searches can agree on a place that the car has left since. A scan in such conflict with the
+// map does not confirm it.
+constexpr double kConfirmedConflict = 0.3;
 
 // To challenge: Wald's bounds for a probability of 1e-6 to take a wrong place and of 0.01 to reject
 // the right one.
@@ -133,16 +135,23 @@ HypothesisVerifier::Decision HypothesisVerifier::update(const Motion& motion, Ma
   }
   const bool is_new = !candidate_;
   candidate_ = update.estimate;
-  if (isSamePlace(candidate_->base_in_map, carried.base_in_map)) {
-    stop();
-    return Decision::kConfirmed;
-  }
+  if (isSamePlace(candidate_->base_in_map, carried.base_in_map)) return agree(map, beams);
   if (confirming()) return confirm(motion, map, beams, carried.base_in_map);
   if (is_new) {
     log_odds_ = priorLogOdds(candidate_->base_in_map, carried, faraway_log_odds_);
     return Decision::kUndecided;
   }
   return challenge(motion, map, beams, carried);
+}
+
+HypothesisVerifier::Decision HypothesisVerifier::agree(MapModel* map, const Scan& beams) {
+  if (confirming() &&
+      matcher_.fit(map, candidate_->base_in_map, beams).conflict() > kConfirmedConflict) {
+    start(Purpose::kConfirm, *map, beams);
+    return Decision::kUndecided;
+  }
+  stop();
+  return Decision::kConfirmed;
 }
 
 HypothesisVerifier::Decision HypothesisVerifier::confirm(const Motion& motion, MapModel* map,

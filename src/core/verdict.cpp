@@ -29,7 +29,6 @@ constexpr double kTeachesConflictAtFirst = 0.2;  // before the first time that i
 constexpr double kUsualConflictAtFirst = 0.05;
 constexpr double kUsualConflictAtMost = 0.25;
 constexpr double kLostExplained = 0.5;  // who explains more is not lost
-constexpr double kHalfConflict = 0.5;   // of a beam that ends before a mapped surface
 constexpr int kFewestBeams = 8;         // that returned; fewer prove nothing
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
@@ -86,8 +85,7 @@ void Judge::average(const Evidence& evidence) {
   const double elapsed = heard_ ? std::max(0.0, evidence.stamp - last_stamp_) : 1e9;
   const double keep = std::exp(-elapsed / parameters_.verdict_time);
   explained_ = keep * explained_ + (1.0 - keep) * evidence.fit.explained;
-  const double conflict = evidence.fit.contradicted + kHalfConflict * evidence.fit.obstructed;
-  conflict_ = keep * conflict_ + (1.0 - keep) * conflict;
+  conflict_ = keep * conflict_ + (1.0 - keep) * evidence.fit.conflict();
   last_stamp_ = evidence.stamp;
   heard_ = true;
 
