@@ -35,7 +35,8 @@ class HypothesisVerifier {
 
   enum class Decision {
     kUndecided,
-    kConfirmed,  ///< the second search has settled on the carried place
+    kConfirmed,  ///< the second search has settled on the carried place; of a challenge: on the
+                 ///< carried pose itself
     kRejected,   ///< of a challenge: the carried place is as good or better
     kProven,     ///< `particles` stand in a place that explains what the carried one contradicts
   };

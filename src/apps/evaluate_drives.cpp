@@ -35,16 +35,23 @@ enum class Trouble {
   kOpponent,
   kCovered,
   kFrozen,
+  kPush,
   kScale,
   kWrongStart
 };
 
 const std::map<std::string, Trouble> kTroubles = {
-    {"none", Trouble::kNone},         {"start", Trouble::kGlobalStart},
-    {"kidnap", Trouble::kKidnap},     {"obstacles", Trouble::kObstacles},
-    {"crowd", Trouble::kCrowd},       {"opponent", Trouble::kOpponent},
-    {"covered", Trouble::kCovered},   {"frozen_odometry", Trouble::kFrozen},
-    {"wrong_scale", Trouble::kScale}, {"wrong_start", Trouble::kWrongStart},
+    {"none", Trouble::kNone},
+    {"start", Trouble::kGlobalStart},
+    {"kidnap", Trouble::kKidnap},
+    {"obstacles", Trouble::kObstacles},
+    {"push", Trouble::kPush},
+    {"crowd", Trouble::kCrowd},
+    {"opponent", Trouble::kOpponent},
+    {"covered", Trouble::kCovered},
+    {"frozen_odometry", Trouble::kFrozen},
+    {"wrong_scale", Trouble::kScale},
+    {"wrong_start", Trouble::kWrongStart},
 };
 
 struct Options {
@@ -99,6 +106,19 @@ Pose2 somewhereElse(const Course& course, const Pose2& here,
   }
 }
 
+/// Shoved aside by 0.2 to 0.6 m and turned by up to 0.3 rad, as by another car.
+Pose2 pushedFrom(const Pose2& here, const Course& course,
+                 const std::vector<sim::Obstacle>& standing, Random& random) {
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    const double direction = random.uniform(-kPi, kPi);
+    const double way = random.uniform(0.2, 0.6);
+    const Pose2 pose{here.x + way * std::cos(direction), here.y + way * std::sin(direction),
+                     wrapAngle(here.yaw + random.uniform(-0.3, 0.3))};
+    if (!sim::overlaps(pose, {}, *course.world, standing, 0.0, 0.0)) return pose;
+  }
+  return here;
+}
+
 PoseEstimate certainlyAt(const Pose2& pose) {
   PoseEstimate start{pose, Eigen::Matrix3d::Zero()};
   start.covariance.diagonal() << 0.01, 0.01, 0.0025;
@@ -112,6 +132,10 @@ void begin(Trouble trouble, const Course& course, const std::vector<sim::Obstacl
     case Trouble::kKidnap:
       drive->simulator().place(
           somewhereElse(course, drive->simulator().truth().base_in_map, standing, random));
+      break;
+    case Trouble::kPush:
+      drive->simulator().place(
+          pushedFrom(drive->simulator().truth().base_in_map, course, standing, random));
       break;
     case Trouble::kWrongStart:
       drive->localizer().initialize(certainlyAt(
@@ -310,7 +334,7 @@ void tell(const Setting& setting, const std::string& trouble, int seed, const Dr
   if (verbose || trusted > 1.0) {
     std::printf("  %s: wrongly trusted for %.2f s\n", drive.c_str(), trusted);
   }
-  if (!watch.arrived && (trouble == "start" || trouble == "kidnap")) {
+  if (!watch.arrived && (trouble == "start" || trouble == "kidnap" || trouble == "push")) {
     std::printf("  %s: not localized\n", drive.c_str());
   }
   std::fflush(stdout);

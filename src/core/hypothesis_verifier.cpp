@@ -22,8 +22,13 @@ constexpr double kConfirmedConflict = 0.3;
 // the right one.
 constexpr double kProvenFrom = 13.8;
 constexpr double kRejectedFrom = -4.6;
-// What is wrong with a map is wrong for metres: so far apart scans count as independent.
-constexpr double kMapErrorLength = 3.0;  // m
+// What is wrong with a map is wrong for metres: so far apart scans count as independent. To move
+// the pose within one place costs little where it was wrong to.
+constexpr double kMapErrorLength = 3.0;        // m
+constexpr double kMapErrorLengthNearby = 1.0;  // m
+// A candidate no farther away is the carried pose itself.
+constexpr double kSamePose = 0.15;     // m
+constexpr double kSamePoseYaw = 0.08;  // rad
 // A challenge that is not decided after this way is given up.
 constexpr double kLongestChallenge = 15.0;  // m
 
@@ -52,6 +57,10 @@ double logLikelihood(BeamMatch match, double unmapped) {
     default:
       return 0.0;
   }
+}
+
+bool isSamePose(const Pose2& a, const Pose2& b) {
+  return distance(a, b) <= kSamePose && std::abs(wrapAngle(a.yaw - b.yaw)) <= kSamePoseYaw;
 }
 
 /// Before any scan: places within the carried covariance are likelier than places far away, which
@@ -135,10 +144,13 @@ HypothesisVerifier::Decision HypothesisVerifier::update(const Motion& motion, Ma
   }
   const bool is_new = !candidate_;
   candidate_ = update.estimate;
-  if (isSamePlace(candidate_->base_in_map, carried.base_in_map)) return agree(map, beams);
+  const Pose2& found = candidate_->base_in_map;
+  const bool agrees = confirming() ? isSamePlace(found, carried.base_in_map)
+                                   : isSamePose(found, carried.base_in_map);
+  if (agrees) return agree(map, beams);
   if (confirming()) return confirm(motion, map, beams, carried.base_in_map);
   if (is_new) {
-    log_odds_ = priorLogOdds(candidate_->base_in_map, carried, faraway_log_odds_);
+    log_odds_ = priorLogOdds(found, carried, faraway_log_odds_);
     return Decision::kUndecided;
   }
   return challenge(motion, map, beams, carried);
@@ -165,9 +177,11 @@ HypothesisVerifier::Decision HypothesisVerifier::confirm(const Motion& motion, M
 HypothesisVerifier::Decision HypothesisVerifier::challenge(const Motion& motion, MapModel* map,
                                                            const Scan& beams,
                                                            const PoseEstimate& carried) {
-  log_odds_ +=
-      newsAfter(motion, kMapErrorLength) *
-      contradictionLogOdds(map, candidate_->base_in_map, carried.base_in_map, beams, through_wall_);
+  const Pose2& found = candidate_->base_in_map;
+  const double length =
+      isSamePlace(found, carried.base_in_map) ? kMapErrorLengthNearby : kMapErrorLength;
+  log_odds_ += newsAfter(motion, length) *
+               contradictionLogOdds(map, found, carried.base_in_map, beams, through_wall_);
   if (log_odds_ >= kProvenFrom) return Decision::kProven;
   if (log_odds_ > faraway_log_odds_ + kRejectedFrom && travelled_ <= kLongestChallenge) {
     return Decision::kUndecided;

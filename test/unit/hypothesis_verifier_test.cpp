@@ -19,6 +19,7 @@ using Purpose = HypothesisVerifier::Purpose;
 
 Pose2 asItIs(const Pose2& truth) { return truth; }
 Pose2 aside(const Pose2& truth) { return compose(truth, {1.5, 0.0, 0.0}); }
+Pose2 pushed(const Pose2& truth) { return compose(truth, {0.1, 0.3, 0.1}); }
 Pose2 turnedRound(const Pose2& truth) { return compose(truth, {0.0, 0.0, kPi}); }
 
 class HypothesisVerifierTest : public ::testing::Test {
@@ -148,6 +149,16 @@ TEST_F(HypothesisVerifierTest, AChallengeOfAWrongPlaceIsProvenAndParticlesStandA
     EXPECT_TRUE(verifier_.challenging()) << "whoever takes the particles stops it";
     verifier_.stop();
   }
+}
+
+TEST_F(HypothesisVerifierTest, AChallengeMovesThePoseWithinItsPlace) {
+  for (std::uint64_t place = 1; place <= 3; ++place) {
+    EXPECT_EQ(decisionWithin(8.0, Purpose::kChallenge, pushed, place), Decision::kProven) << place;
+    EXPECT_LT(errorOfParticles(), 0.1) << place;
+    verifier_.stop();
+  }
+  EXPECT_EQ(decisionWithin(8.0, Purpose::kConfirm, pushed), Decision::kConfirmed)
+      << "it is the same place";
 }
 
 TEST_F(HypothesisVerifierTest, APoseThatWasNeverConfirmedIsGivenUpSooner) {

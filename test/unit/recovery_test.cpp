@@ -50,6 +50,18 @@ TEST_P(RecoveryTest, NoticesThatItWasCarriedAwayAndFindsItself) {
   }
 }
 
+TEST_P(RecoveryTest, FindsItselfWhereItWasPushedAside) {
+  for (const std::uint64_t seed : {2, 3, 4}) {
+    SimulatedDrive drive = localizedDrive(seed);
+    const Pose2 truth = drive.simulator().truth().base_in_map;
+    drive.simulator().place(compose(truth, {0.0, seed % 2 == 0 ? 0.4 : -0.4, 0.1}));
+    double error = 1.0;
+    drive.drive(2.5, [&](const Observation& seen) { error = seen.error; });
+    EXPECT_LT(error, 0.1) << seed;
+    EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized) << seed;
+  }
+}
+
 TEST_P(RecoveryTest, StaysLostWhereItIsNotToSearch) {
   parameters_.recovery = false;
   SimulatedDrive drive = localizedDrive(2);
