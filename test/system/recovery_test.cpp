@@ -94,7 +94,7 @@ TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsOffByHalf) {
   };
   // Where the walls tell nothing of the way along them, no noise helps: hence the median.
   std::vector<double> adapted, fixed;
-  for (std::uint64_t seed = 2; seed < 9; ++seed) {
+  for (std::uint64_t seed = 2; seed < 7; ++seed) {
     parameters_.noise_adaptation = true;
     adapted.push_back(greatestError(seed));
     parameters_.noise_adaptation = false;
@@ -102,8 +102,8 @@ TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsOffByHalf) {
   }
   std::sort(adapted.begin(), adapted.end());
   std::sort(fixed.begin(), fixed.end());
-  EXPECT_LT(adapted[3], 0.3);
-  EXPECT_LT(adapted[3], 0.5 * fixed[3]);
+  EXPECT_LT(adapted[2], 0.3);
+  EXPECT_LT(adapted[2], 0.5 * fixed[2]);
 }
 
 TEST_P(RecoveryTest, DoesNotSearchOnAGoodDrive) {
