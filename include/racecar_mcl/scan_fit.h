@@ -27,7 +27,8 @@ enum class BeamMatch {
 struct ScanFit {
   double explained = 0.0;     ///< kMatched
   int beams = 0;              ///< that could be judged
-  double residual = 0.0;      ///< m, root mean square distance of matched ends from the surfaces
+  double map_error = 0.0;     ///< m, root mean square distance of matched ends from the surfaces,
+                              ///< beyond what the map's cells explain
   double obstructed = 0.0;    ///< kShort
   double contradicted = 0.0;  ///< kThrough
   double unmapped = 0.0;      ///< kUnmapped

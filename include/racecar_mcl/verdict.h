@@ -44,7 +44,8 @@ struct Verdict {
   double usually = 0.0;                ///< what that is while all is well
   double conflict = 0.0;  ///< share of beams that pass through mapped surfaces, and half the share
                           ///< of those that end before them, averaged, beyond what is usual
-  double carried = 0.0;   ///< m driven since the map last explained the scans
+  double carried = 0.0;   ///< m driven while the map was silent; fades within metres once it
+                          ///< explains the scans again
   double disagreement = 0.0;  ///< m that scans corrected per m that odometry told of, of late
   ProtectionLevel level =
       unboundedLevel();  ///< of the estimate; unbounded while converging or lost

@@ -9,14 +9,11 @@
 namespace racecar_mcl {
 namespace {
 
-// Errors have heavier tails than the Gaussian of the covariance: its quantile is widened by this.
-constexpr double kTails = 1.5;
-// How much of the beams' distance from the surfaces the map's own error is, which moves the pose.
-constexpr double kMapShare = 0.45;
-constexpr double kHeadingPerMetre = 0.1;  // rad of heading per m of the map's error
+// A map's error turns the car by so much: rad of heading per m.
+constexpr double kHeadingPerMetre = 0.15;
 // Drift of a pose carried by lidar odometry.
-constexpr double kDriftPerMetre = 0.03;         // m per m
-constexpr double kHeadingDriftPerMetre = 2e-3;  // rad per m
+constexpr double kDriftPerMetre = 0.05;         // m per m
+constexpr double kHeadingDriftPerMetre = 3e-3;  // rad per m
 
 /// The value that a standard normal variable exceeds in magnitude with this probability
 /// (Abramowitz and Stegun, 26.2.23; to 5e-4).
@@ -44,15 +41,14 @@ ProtectionLevel protectionLevel(const ProtectionLevelParameters& parameters,
   const Eigen::Vector3d along(std::cos(yaw), std::sin(yaw), 0.0);
   const Eigen::Vector3d across(-std::sin(yaw), std::cos(yaw), 0.0);
   const Eigen::Matrix3d& covariance = estimate.covariance;
-  const double map_error = kMapShare * fit.residual;
-  const double factor = kTails * twoSidedQuantile(parameters.protection_risk);
-  const auto level = [&](double variance, double error) {
-    return factor * std::sqrt(std::max(0.0, variance) + error * error);
+  const double quantile = twoSidedQuantile(parameters.protection_risk);
+  const auto level = [&](double variance, double map_error) {
+    return quantile * std::sqrt(std::max(0.0, variance) + map_error * map_error);
   };
   const double drift = kDriftPerMetre * carried;
-  return {level(along.dot(covariance * along), map_error) + drift,
-          level(across.dot(covariance * across), map_error) + drift,
-          std::min(kPi, level(covariance(2, 2), kHeadingPerMetre * map_error) +
+  return {level(along.dot(covariance * along), fit.map_error) + drift,
+          level(across.dot(covariance * across), fit.map_error) + drift,
+          std::min(kPi, level(covariance(2, 2), kHeadingPerMetre * fit.map_error) +
                             kHeadingDriftPerMetre * carried)};
 }
 

@@ -1,5 +1,6 @@
 #include "racecar_mcl/scan_fit.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "racecar_mcl/map_model.h"
@@ -9,9 +10,12 @@ namespace racecar_mcl {
 namespace {
 
 // A lidar that sees nothing farther away is covered.
-constexpr float kClose = 0.3f;        // m
-constexpr double kNear = 0.2;         // m
-constexpr float kThrough = 0.5f;      // m
+constexpr float kClose = 0.3f;    // m
+constexpr double kNear = 0.2;     // m
+constexpr float kThrough = 0.5f;  // m
+// Of a cell: the root mean square distance of ends from the surfaces where a map is right to its
+// cells (0.45 to 0.55 in simulation with a lidar noise of 0.01 m).
+constexpr double kErrorOfCells = 0.5;
 constexpr float kNeighbours = 0.06f;  // rad between two beams
 
 BeamMatch matchEnd(const OccupancyGrid& grid, const Eigen::Vector2d& end) {
@@ -89,7 +93,10 @@ ScanFit ScanMatcher::fit(MapModel* map, const Pose2& base_in_map, const Scan& be
         static_cast<double>(arrays_->seen.log_likelihoods[static_cast<Eigen::Index>(k)]));
     squares += off * off;
   }
-  if (fit.explained > 0.0) fit.residual = std::sqrt(squares / fit.explained);
+  if (fit.explained > 0.0) {
+    const double of_cells = kErrorOfCells * map->grid.geometry().resolution;
+    fit.map_error = std::sqrt(std::max(0.0, squares / fit.explained - of_cells * of_cells));
+  }
   if (fit.beams == 0) return fit;
   for (double* share : {&fit.explained, &fit.obstructed, &fit.contradicted, &fit.unmapped}) {
     *share /= fit.beams;

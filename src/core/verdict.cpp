@@ -22,6 +22,7 @@ constexpr double kForgivenDistance = 0.5;  // m
 constexpr double kUnusableTime = 0.5;      // s without a usable scan
 // A map that explains less is silent: scans are matched with the scans before them as well.
 constexpr double kSilent = 0.75;
+constexpr double kRegainedDistance = 1.0;  // m driven with the map that make up for most without it
 // A scan that is explained less, or that contradicts the map more, teaches nothing of the map.
 constexpr double kTeachesFrom = 0.65;
 constexpr double kTeachesConflict = 0.3;
@@ -162,7 +163,9 @@ Verdict Judge::conclude(const Evidence& evidence) const {
 const Verdict& Judge::judge(const Evidence& evidence) {
   average(evidence);
   unusable_since_.reset();
-  carried_ = explained_ >= kSilent ? 0.0 : carried_ + evidence.travelled;
+  // A single scan that the map explains can lie in a wrong place.
+  carried_ = mapIsSilent() ? carried_ + evidence.travelled
+                           : carried_ * std::exp(-evidence.travelled / kRegainedDistance);
   verdict_ = conclude(evidence);
   if (verdict_.state == VerdictState::kLocalized || verdict_.state == VerdictState::kDegraded) {
     verdict_.level = protectionLevel(protection_, evidence.estimate, evidence.fit, carried_);

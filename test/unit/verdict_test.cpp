@@ -122,7 +122,10 @@ TEST_F(VerdictTest, IsDegradedNotLostWhereTheMapIsSilent) {
   explain(0.95);
   EXPECT_EQ(after(1.5), VerdictState::kLocalized);
   EXPECT_FALSE(judge_.mapIsSilent());
-  EXPECT_EQ(judge_.verdict().carried, 0.0);
+  EXPECT_LT(judge_.verdict().carried, 5.0);
+  EXPECT_GT(judge_.verdict().carried, 0.1) << "one good scan is no proof";
+  after(3.0);
+  EXPECT_NEAR(judge_.verdict().carried, 0.0, 0.01);
 }
 
 TEST_F(VerdictTest, IsNotLostWhereMostBeamsAreExplained) {
