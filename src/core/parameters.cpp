@@ -171,6 +171,11 @@ void parse(const std::string& name, const YAML::Node& node, int* value) {
 }
 
 void parse(const std::string& name, const YAML::Node& node, bool* value) {
+  // As roslaunch and XML-RPC write it as well.
+  if (node.Scalar() == "1" || node.Scalar() == "0") {
+    *value = node.Scalar() == "1";
+    return;
+  }
   try {
     *value = node.as<bool>();
   } catch (const YAML::Exception&) {

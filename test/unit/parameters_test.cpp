@@ -218,7 +218,7 @@ TEST(Parameters, AnIllTypedTextIsRefusedWithWhatWasExpected) {
              {"sigma_hit", "8,0", "a number"},
              {"sigma_hit", "8 px", "a number"},
              {"deskew", "maybe", "true or false"},
-             {"deskew", "1", "true or false"},
+             {"deskew", "2", "true or false"},
              {"motion_model", "tank", "constant differential ackermann"},
              {"estimate", "Mean", "mean best cluster"},
              {"unknown_is", "true", "free occupied"}};
@@ -231,6 +231,14 @@ TEST(Parameters, AnIllTypedTextIsRefusedWithWhatWasExpected) {
     EXPECT_TRUE(holds(message, expected)) << message;
     EXPECT_EQ(parameterTexts(parameters), parameterTexts(LocalizerParameters{}));
   }
+}
+
+TEST(Parameters, AFlagIsTakenAsANumberToo) {
+  LocalizerParameters parameters;
+  setParameter("deskew", "0", &parameters);
+  EXPECT_FALSE(parameters.deskew);
+  setParameter("deskew", "1", &parameters);
+  EXPECT_TRUE(parameters.deskew);
 }
 
 TEST(ParameterFile, SetsWhatItNames) {
