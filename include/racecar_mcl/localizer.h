@@ -85,6 +85,9 @@ enum class ScanOutcome {
 /// Words for logs and diagnostics.
 std::string describe(ScanOutcome outcome);
 
+/// Whether the scan was compared with the map, so that its result carries an estimate of its stamp.
+bool leavesEstimate(ScanOutcome outcome);
+
 /// What became of one scan.
 struct ScanResult {
   ScanOutcome outcome = ScanOutcome::kNoMap;
@@ -108,7 +111,8 @@ struct LocalizerCounters {
   std::uint64_t odometry_dropped = 0;
   std::uint64_t odometry_gaps = 0;
   std::uint64_t time_jumps = 0;
-  std::uint64_t recoveries = 0;  ///< searches after which particles were put where the scan fits
+  std::uint64_t scans_failed = 0;  ///< given up after an error in the program
+  std::uint64_t recoveries = 0;    ///< searches after which particles were put where the scan fits
 };
 
 class Localizer {
@@ -175,6 +179,10 @@ class Localizer {
   void processScan(ScanTask* task);
   ScanResult commitScan(const ScanTask& task);
 
+  /// After an exception in processScan, in place of commitScan: the scan is lost, and the
+  /// particles, which may have been moved already, are drawn anew from the last estimate.
+  void abandonScan();
+
   /// The pose at a time, carried there from the last scan by odometry; none before a start. Times
   /// before the last scan are carried backwards.
   std::optional<PoseEstimate> estimateAt(double stamp) const;
@@ -207,6 +215,8 @@ class Localizer {
   OdometryState odometryAt(double stamp) const {
     return odometry_.at(stamp + calibration_.delay());
   }
+  /// From the last estimate to there.
+  Motion motionTo(const OdometryState& odometry) const;
   ScanOutcome admit(const Scan& scan);
   void straighten(const OdometryState& at_stamp, ScanTask* task) const;
   void weigh(ScanTask* task);

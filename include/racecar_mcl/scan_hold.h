@@ -8,12 +8,15 @@
 
 namespace racecar_mcl {
 
+/// A scan waits at most this long for the odometry that covers it.
+constexpr double kOdometryPatience = 0.02;  // s
+
 /// Items with a stamp, held in order of arrival. `now` is any clock that the driver keeps, in s.
 template <typename Item>
 class ScanHold {
  public:
   /// `patience`: s that an item waits at most.
-  explicit ScanHold(double patience = 0.1) : patience_(patience) {}
+  explicit ScanHold(double patience = kOdometryPatience) : patience_(patience) {}
 
   void add(double stamp, double now, Item item) { held_.push_back({stamp, now, std::move(item)}); }
 

@@ -54,6 +54,11 @@ std::string describe(ScanOutcome outcome) {
   return "unknown";
 }
 
+bool leavesEstimate(ScanOutcome outcome) {
+  return outcome == ScanOutcome::kUsed || outcome == ScanOutcome::kParked ||
+         outcome == ScanOutcome::kWeightsVanished;
+}
+
 Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
     : parameters_((validate(parameters), parameters)),
       filter_(parameters.filter, parameters.motion, seed),
@@ -129,6 +134,12 @@ OdometryOutcome Localizer::addOdometry(const OdometrySample& sample) {
   return outcome;
 }
 
+Motion Localizer::motionTo(const OdometryState& odometry) const {
+  Motion motion = calibration_.correct(motionBetween(anchor_->odometry, odometry));
+  if (parameters_.noise_adaptation) motion.noise_factor = doubt_.noiseFactor();
+  return motion;
+}
+
 ScanOutcome Localizer::admit(const Scan& scan) {
   if (!std::isfinite(scan.stamp)) return ScanOutcome::kNotFinite;
   if (last_scan_stamp_) {
@@ -167,8 +178,7 @@ Localizer::ScanTask Localizer::prepareScan(const Scan& scan) {
     return task;
   }
   const OdometryState odometry = odometryAt(scan.stamp);
-  task.motion = calibration_.correct(motionBetween(anchor_->odometry, odometry));
-  if (parameters_.noise_adaptation) task.motion.noise_factor = doubt_.noiseFactor();
+  task.motion = motionTo(odometry);
   if (parameters_.deskew) straighten(odometry, &task);
   // Silent odometry is no sign that the car stands.
   const bool heard = !odometry_.empty() &&
@@ -374,6 +384,18 @@ ScanResult Localizer::commitScan(const ScanTask& task) {
   return result;
 }
 
+void Localizer::abandonScan() {
+  ++counters_.scans_failed;
+  verifier_.stop();
+  lidar_odometry_.reset();
+  if (!initialized()) return;
+  if (filter_.converging()) {
+    initializeGlobally();
+  } else {
+    filter_.initialize(anchor_->estimate);
+  }
+}
+
 ScanResult Localizer::addScan(const Scan& scan) {
   ScanTask task = prepareScan(scan);
   processScan(&task);
@@ -382,8 +404,7 @@ ScanResult Localizer::addScan(const Scan& scan) {
 
 std::optional<PoseEstimate> Localizer::estimateAt(double stamp) const {
   if (!anchor_) return std::nullopt;
-  const OdometryState then = odometryAt(stamp);
-  const Motion motion = calibration_.correct(motionBetween(anchor_->odometry, then));
+  const Motion motion = motionTo(odometryAt(stamp));
   return carryForward(anchor_->estimate, motion.delta,
                       motionCovariance(parameters_.motion, motion));
 }

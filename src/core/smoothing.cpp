@@ -13,7 +13,7 @@ Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d values = solver.eigenvalues();
   if (values.minCoeff() < -1e-9 * std::max(1.0, values.maxCoeff())) {
     std::ostringstream problem;
-    problem << "the covariance of the start pose has a negative eigenvalue (" << values.minCoeff()
+    problem << "a covariance has a negative eigenvalue (" << values.minCoeff()
             << "); it must be positive semi-definite";
     throw ParameterError(problem.str());
   }

@@ -124,10 +124,7 @@ class SimulatedDrive {
   }
 
   std::optional<Pose2> estimateAfter(const ScanResult& result) const {
-    if (result.outcome == ScanOutcome::kUsed || result.outcome == ScanOutcome::kParked ||
-        result.outcome == ScanOutcome::kWeightsVanished) {
-      return result.update.estimate.base_in_map;
-    }
+    if (leavesEstimate(result.outcome)) return result.update.estimate.base_in_map;
     const std::optional<PoseEstimate> carried = localizer_.estimateAt(result.stamp);
     if (!carried) return std::nullopt;
     return carried->base_in_map;

@@ -101,6 +101,7 @@ diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::
   add("stamps refused", s.stamps_refused);
   add("start poses refused", s.starts_refused);
   add("maps refused", s.maps_refused);
+  add("internal errors", s.errors);
   add("last problem", s.last_problem);
   return message;
 }

@@ -23,6 +23,7 @@ struct NodeStatus {
   std::uint64_t stamps_refused = 0;    ///< scans and odometry without a stamp or far ahead
   std::uint64_t starts_refused = 0;    ///< start poses that could not be used
   std::uint64_t maps_refused = 0;      ///< maps that could not be used
+  std::uint64_t errors = 0;            ///< tasks of the node that an exception ended
   std::string last_problem;            ///< the newest of the above in words
   double latency_p50 = 0.0;            ///< s, from a scan's arrival to its tf
   double latency_p99 = 0.0;            ///< s

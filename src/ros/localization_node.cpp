@@ -323,6 +323,12 @@ void LocalizationNode::warn(const std::string& subject, const std::string& reaso
   if (log_limiter_.isDue(subject, reason)) ROS_WARN("%s: %s", subject.c_str(), reason.c_str());
 }
 
+void LocalizationNode::noteError(const std::string& what) {
+  const std::string problem = "internal error: " + what;
+  note(problem, &NodeStatus::errors);
+  if (log_limiter_.isDue("internal error", what)) ROS_ERROR("%s", problem.c_str());
+}
+
 void LocalizationNode::note(const std::string& problem, std::uint64_t NodeStatus::*counter) {
   const std::lock_guard<std::mutex> lock(timeline_mutex_);
   if (counter) ++(status_.*counter);

@@ -77,6 +77,8 @@ class LocalizationNode {
   void checkOdometryFrames(const nav_msgs::Odometry& message, const OdometrySample& sample);
   std::optional<Scan> readScan(const sensor_msgs::LaserScan& message, LaserMount* mount);
   void waitForOdometry(double stamp);
+  /// Takes the scan through the localizer. What goes wrong there costs this scan alone.
+  ScanResult update(const Scan& scan);
   void publishPose(bool after_scan);
   void publishVerdict();
   void broadcast(const PoseEstimate& estimate, double stamp);
@@ -89,6 +91,8 @@ class LocalizationNode {
   void warn(const std::string& subject, const std::string& reason);
   /// Counts what went wrong, and keeps it for the diagnostics.
   void note(const std::string& problem, std::uint64_t NodeStatus::*counter = nullptr);
+  /// Of a task that ended with an exception.
+  void noteError(const std::string& what);
   /// Notes it and says it every time: somebody asked for it.
   void refuse(std::uint64_t NodeStatus::*counter, const std::string& problem);
 
@@ -121,8 +125,8 @@ class LocalizationNode {
   LatestSlot<ReceivedScan> newest_scan_;
   LatestSlot<nav_msgs::OccupancyGridConstPtr> newest_map_;
   std::vector<std::string> map_warnings_;  ///< of the map in use; the worker's alone
-  TaskThread map_builder_;
-  TaskThread worker_;
+  TaskThread map_builder_{[this](const std::string& what) { noteError(what); }};
+  TaskThread worker_{[this](const std::string& what) { noteError(what); }};
 
   // Last, so that no callback finds a part missing.
   ros::Publisher diagnostics_publisher_;

@@ -3,23 +3,16 @@
 #include <chrono>
 #include <cmath>
 
+#include "racecar_mcl/scan_hold.h"
 #include "ros/localization_node.h"
 
 namespace racecar_mcl {
 namespace {
 
-// A scan waits at most this long for the odometry that covers it.
-constexpr std::chrono::milliseconds kOdometryWait{20};
 // Odometry older than this against the scan is not worth waiting for.
 constexpr double kOdometryStale = 0.5;  // s
 // Two poses of one stamp cannot both enter tf; the second is stamped, and carried, this much later.
 constexpr double kStampStep = 1e-6;  // s
-
-/// Whether the scan was held against the map.
-bool wasJudged(ScanOutcome outcome) {
-  return outcome == ScanOutcome::kUsed || outcome == ScanOutcome::kParked ||
-         outcome == ScanOutcome::kWeightsVanished;
-}
 
 }  // namespace
 
@@ -46,7 +39,27 @@ std::optional<Scan> LocalizationNode::readScan(const sensor_msgs::LaserScan& mes
 void LocalizationNode::waitForOdometry(double stamp) {
   std::unique_lock<std::mutex> lock(timeline_mutex_);
   if (!newest_odometry_stamp_ || stamp - *newest_odometry_stamp_ > kOdometryStale) return;
-  odometry_arrived_.wait_for(lock, kOdometryWait, [&] { return localizer_.odometryCovers(stamp); });
+  odometry_arrived_.wait_for(lock, std::chrono::duration<double>(kOdometryPatience),
+                             [&] { return localizer_.odometryCovers(stamp); });
+}
+
+ScanResult LocalizationNode::update(const Scan& scan) {
+  try {
+    Localizer::ScanTask task;
+    {
+      const std::lock_guard<std::mutex> lock(timeline_mutex_);
+      task = localizer_.prepareScan(scan);
+    }
+    localizer_.processScan(&task);
+    const std::lock_guard<std::mutex> lock(timeline_mutex_);
+    ScanResult result = localizer_.commitScan(task);
+    if (leavesEstimate(result.outcome)) silence_.hearScan(ros::Time::now().toSec());
+    return result;
+  } catch (...) {
+    const std::lock_guard<std::mutex> lock(timeline_mutex_);
+    localizer_.abandonScan();
+    throw;
+  }
 }
 
 void LocalizationNode::processScan() {
@@ -57,24 +70,13 @@ void LocalizationNode::processScan() {
   if (!scan) return;
 
   waitForOdometry(scan->stamp);
-  Localizer::ScanTask task;
-  {
-    const std::lock_guard<std::mutex> lock(timeline_mutex_);
-    task = localizer_.prepareScan(*scan);
-  }
-  localizer_.processScan(&task);
-  ScanResult result;
-  {
-    const std::lock_guard<std::mutex> lock(timeline_mutex_);
-    result = localizer_.commitScan(task);
-    if (wasJudged(result.outcome)) silence_.hearScan(ros::Time::now().toSec());
-  }
+  const ScanResult result = update(*scan);
   publishVerdict();
   if (result.outcome == ScanOutcome::kTimeJumpedBack) restartAfterTimeJump(scan->stamp);
-  if (result.outcome != ScanOutcome::kUsed && result.outcome != ScanOutcome::kParked) {
+  if (result.outcome == ScanOutcome::kWeightsVanished || !leavesEstimate(result.outcome)) {
     reportDropped(result.outcome);
-    return;
   }
+  if (!leavesEstimate(result.outcome)) return;
   publishPose(true);
   noteScan(result, received->arrival);
   output_.publishScanTopics(localizer_.particles(), *localizer_.map(), *received->message, mount,

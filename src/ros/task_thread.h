@@ -3,17 +3,22 @@
 
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
 namespace racecar_mcl {
 
-/// Tasks must not throw. The destructor lets the running task end and drops those that wait.
+/// What a task throws goes to `on_error` as text, on the thread; the next task runs as ever. The
+/// destructor lets the running task end and drops those that wait.
 class TaskThread {
  public:
-  TaskThread() : thread_([this] { run(); }) {}
+  /// `on_error` must not throw.
+  explicit TaskThread(std::function<void(const std::string& what)> on_error)
+      : on_error_(std::move(on_error)), thread_([this] { run(); }) {}
   ~TaskThread() { stop(); }
   TaskThread(const TaskThread&) = delete;
   TaskThread& operator=(const TaskThread&) = delete;
@@ -45,11 +50,22 @@ class TaskThread {
       const std::function<void()> task = std::move(tasks_.front());
       tasks_.pop_front();
       lock.unlock();
-      task();
+      attempt(task);
       lock.lock();
     }
   }
 
+  void attempt(const std::function<void()>& task) {
+    try {
+      task();
+    } catch (const std::exception& error) {
+      on_error_(error.what());
+    } catch (...) {
+      on_error_("an error without a description");
+    }
+  }
+
+  std::function<void(const std::string& what)> on_error_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> tasks_;

@@ -106,6 +106,28 @@ TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsOffByHalf) {
   EXPECT_LT(adapted[2], 0.5 * fixed[2]);
 }
 
+TEST_P(RecoveryTest, CarriesThePoseWithTheNoiseOfWheelsThatScansContradict) {
+  const auto growth = [this](bool noise_adaptation) {
+    parameters_.noise_adaptation = noise_adaptation;
+    SimulatedDrive drive = localizedDrive(4);
+    drive.on_odometry = [](OdometrySample* sample) {
+      sample->twist.vx *= 1.5;
+      return true;
+    };
+    double largest = 0.0;
+    drive.drive(0.5, [&](const Observation& seen) {
+      const Localizer& localizer = drive.localizer();
+      const auto traceAt = [&](double stamp) {
+        return localizer.estimateAt(stamp)->covariance.trace();
+      };
+      const double stamp = seen.result.stamp;
+      largest = std::max(largest, traceAt(stamp + 0.1) - traceAt(stamp));
+    });
+    return largest;
+  };
+  EXPECT_GT(growth(true), 2.0 * growth(false));
+}
+
 TEST_P(RecoveryTest, DoesNotSearchOnAGoodDrive) {
   SimulatedDrive drive = localizedDrive(4);
   drive.drive(2.0, [&](const Observation& seen) {

@@ -136,6 +136,25 @@ TEST_F(LocalizerTest, CorrectsForTheMotionDuringASweep) {
   EXPECT_GT(bias(false), 0.02);
 }
 
+TEST_F(LocalizerTest, AnAbandonedScanCostsThatScanAlone) {
+  LocalizerParameters parameters = fewBeams();
+  Localizer localizer = started(parameters);
+  drive(&localizer, 0.0, 2.0);
+  const PoseEstimate before = *localizer.estimateAt(start_ + 2.0);
+  localizer.addOdometry(odometryAt(start_ + 2.02));
+  localizer.addOdometry(odometryAt(start_ + 2.04));
+  Localizer::ScanTask task = localizer.prepareScan(scanAt(start_ + 2.03));
+  localizer.processScan(&task);
+  localizer.abandonScan();
+  EXPECT_EQ(localizer.counters().scans_failed, 1u);
+  expectSame(*localizer.estimateAt(start_ + 2.0), before);
+  const PoseEstimate of_particles = estimatePose(localizer.particles(), EstimateFrom::kMean);
+  expectNear(of_particles.base_in_map, before.base_in_map, 0.03, 0.03);
+  const ScanResult next = localizer.addScan(scanAt(start_ + 2.04));
+  EXPECT_EQ(next.outcome, ScanOutcome::kUsed);
+  expectNear(next.update.estimate.base_in_map, truthAt(start_ + 2.04), 0.06, 0.04);
+}
+
 TEST_F(LocalizerTest, FollowsPosesAsWellAsTwists) {
   LocalizerParameters parameters = fewBeams();
   parameters.odometry.motion_from = MotionFrom::kPose;

@@ -136,22 +136,14 @@ class Run {
     const Clock::time_point start = Clock::now();
     ScanResult result = localizer_->addScan(held.scan);
     const double update_ms = 1e3 * secondsSince(start);
-    switch (result.outcome) {
-      case ScanOutcome::kUsed:
-      case ScanOutcome::kParked:
-      case ScanOutcome::kWeightsVanished:
-        trajectory_.addFromScan(held.stamp, result.update.estimate.base_in_map);
-        record_.scans.push_back({held.stamp, std::move(result), update_ms});
-        observe([&](ReplayObserver* observer) {
-          observer->onScan(held.scan, record_.scans.back(), *localizer_);
-        });
-        break;
-      case ScanOutcome::kTooFewBeams:
-        trajectory_.addFromOdometry(held.stamp,
-                                    localizer_->estimateAt(held.scan.stamp)->base_in_map);
-        break;
-      default:
-        break;
+    if (leavesEstimate(result.outcome)) {
+      trajectory_.addFromScan(held.stamp, result.update.estimate.base_in_map);
+      record_.scans.push_back({held.stamp, std::move(result), update_ms});
+      observe([&](ReplayObserver* observer) {
+        observer->onScan(held.scan, record_.scans.back(), *localizer_);
+      });
+    } else if (result.outcome == ScanOutcome::kTooFewBeams) {
+      trajectory_.addFromOdometry(held.stamp, localizer_->estimateAt(held.scan.stamp)->base_in_map);
     }
   }
 
