@@ -5,7 +5,7 @@ from .grid_map import FREE, OCCUPIED, UNKNOWN, GridMap
 
 HIT, PASSED, GREATEST = 0.85, -0.4, 4.0  # log odds: of one scan, and where they stop growing
 SURE = 0.5  # log odds from which on a cell is occupied, below its negative free
-FARTHEST = 25.0  # m; beams that end farther away tell nothing
+FARTHEST = 25.0  # m; beams that end farther away are left out
 STEP = 0.5  # cells between the points at which a beam is followed
 SHORT_OF_WALL = 0.75  # cells before its end at which it stops to say that cells are free
 

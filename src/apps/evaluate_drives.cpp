@@ -1,5 +1,5 @@
 // What a localizer makes of trouble and of wrong maps, on many simulated drives: whether it finds
-// itself, how soon, how well it knows where it is, and whether its verdict tells. The numbers of
+// itself, how soon, how accurate it is, and whether its verdict is right. The numbers of
 // bench/ are made with it.
 #include <algorithm>
 #include <cstdio>
@@ -327,8 +327,8 @@ std::string nameOf(const Setting& setting, const std::string& trouble) {
 }
 
 /// A line for a drive that is worth a look.
-void tell(const Setting& setting, const std::string& trouble, int seed, const DriveWatch& watch,
-          bool verbose) {
+void reportDrive(const Setting& setting, const std::string& trouble, int seed,
+                 const DriveWatch& watch, bool verbose) {
   const std::string drive = nameOf(setting, trouble) + ", seed " + std::to_string(seed);
   const double trusted = watch.wrongly_trusted.longest();
   if (verbose || trusted > 1.0) {
@@ -360,7 +360,7 @@ void run(const Options& options) {
                                          static_cast<std::uint64_t>(seed)));
           table += tableRow(setting, trouble, seed, watches.back());
           keepTable();
-          tell(setting, trouble, seed, watches.back(), options.verbose);
+          reportDrive(setting, trouble, seed, watches.back(), options.verbose);
         }
         report(nameOf(setting, trouble), watches);
         reportErrors(watches);
