@@ -96,13 +96,13 @@ TEST_F(VerdictTest, IsLostWithinASecondOfBeamsThatPassThroughWalls) {
 
 TEST_F(VerdictTest, CountsABeamThatEndsBeforeAWallHalf) {
   after(20.0);  // until no conflict is usual
-  explain(0.4, 0.0, 0.3);
+  explain(0.3, 0.0, 0.3);
   EXPECT_EQ(after(3.0), VerdictState::kDegraded);
   EXPECT_NEAR(judge_.verdict().conflict, 0.15, 0.01);
-  explain(0.4, 0.0, 0.6);
+  explain(0.3, 0.0, 0.6);
   EXPECT_EQ(after(3.0), VerdictState::kLost);
   EXPECT_NEAR(judge_.verdict().conflict, 0.3, 0.01);
-  explain(0.4, 0.3, 0.0);
+  explain(0.3, 0.3, 0.0);
   EXPECT_EQ(after(3.0), VerdictState::kLost);
   EXPECT_NEAR(judge_.verdict().conflict, 0.3, 0.01);
 }
