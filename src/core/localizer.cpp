@@ -20,7 +20,7 @@ constexpr double kParkedRotation = 1e-3;  // rad
 constexpr double kSurfaceCells = 0.1;
 
 // The share of beams that the map must explain for scans to be trusted against the odometry.
-constexpr double kTrustedMap = 0.8;
+constexpr double kTrustedMap = 0.9;
 
 bool isParked(const Motion& motion) {
   return motion.distance < kParkedDistance && motion.rotation < kParkedRotation;
