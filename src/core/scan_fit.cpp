@@ -14,7 +14,7 @@ constexpr float kClose = 0.3f;    // m
 constexpr double kNear = 0.2;     // m
 constexpr float kThrough = 0.5f;  // m
 // Of a cell: the root mean square distance of ends from the surfaces where a map is right to its
-// cells (0.45 to 0.55 in simulation with a lidar noise of 0.01 m).
+// cells (medians of 0.48 to 0.54 on five maps in simulation, with a lidar noise of 0.01 m).
 constexpr double kErrorOfCells = 0.5;
 constexpr float kNeighbours = 0.06f;  // rad between two beams
 

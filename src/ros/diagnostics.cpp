@@ -102,6 +102,7 @@ diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::
   add("start poses refused", s.starts_refused);
   add("maps refused", s.maps_refused);
   add("internal errors", s.errors);
+  add("scans given up after an internal error", s.counters.scans_failed);
   add("last problem", s.last_problem);
   return message;
 }
