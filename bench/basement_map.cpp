@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "racecar_mcl/random.h"
+#include "racecar_mcl/common/random.h"
 
 namespace racecar_mcl::bench {
 namespace {
@@ -52,7 +52,7 @@ class Draft {
     }
   }
 
-  /// A room with boxes standing about.
+  /// A room with boxes.
   void room(int left, int bottom, int right, int top) {
     fill(left, bottom, right, top, OccupancyGrid::kFree);
     const int boxes = (right - left) * (top - bottom) / 5000;
@@ -63,7 +63,7 @@ class Draft {
     }
   }
 
-  /// Walls where known space ends, rough as a mapped wall is.
+  /// Rough walls around known space, as in real maps.
   void raiseWalls() {
     const std::vector<std::int8_t> before = cells_;
     for (int row = 3; row < kHeight - 3; ++row) {
@@ -109,7 +109,7 @@ class Draft {
 
 OccupancyGrid basementMap(std::uint64_t seed) {
   Draft draft(seed);
-  // Rooms first, so that corridors lead through their clutter.
+  // Rooms first, so that corridors cut through their clutter.
   for (const auto& [column, row] :
        {std::pair(180, 150), std::pair(560, 170), std::pair(1010, 140), std::pair(1330, 420),
         std::pair(170, 640), std::pair(620, 560), std::pair(950, 830), std::pair(1300, 880)}) {

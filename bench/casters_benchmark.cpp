@@ -1,6 +1,5 @@
-// Every caster on every map with every pattern of poses: time per ray, error against exact
-// traversal, memory. Prints a table; takes Google Benchmark's options, such as
-// --benchmark_filter=simd.
+// Time per ray, error with respect to exact traversal, and memory of all casters on all maps and
+// pose patterns. Prints a table; accepts Google Benchmark options such as --benchmark_filter=simd.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -11,9 +10,9 @@
 #include "cpu_time.h"
 #include "markdown_table.h"
 #include "pose_patterns.h"
-#include "racecar_mcl/map_io.h"
-#include "racecar_mcl/range_caster.h"
-#include "range_casters/simd_caster.h"
+#include "racecar_mcl/map/map_io.h"
+#include "racecar_mcl/raycasting/range_caster.h"
+#include "raycasting/simd_caster.h"
 
 namespace racecar_mcl::bench {
 namespace {
@@ -30,7 +29,7 @@ struct NamedCaster {
   std::function<std::unique_ptr<RangeCaster>(const OccupancyGrid&, RangeCasterParameters)> make;
 };
 
-/// All casters by name, and the vectorised one held to each instruction set.
+/// All casters by name, and the vectorised one with each instruction set.
 std::vector<NamedCaster> casters() {
   std::vector<NamedCaster> all;
   for (const std::string& name : rangeCasterNames()) {
@@ -54,7 +53,7 @@ RangeCasterParameters parametersFor(const OccupancyGrid& grid) {
   return parameters;
 }
 
-/// Errors against `bresenham` as counters, in cells.
+/// Errors with respect to `bresenham`, in cells, as counters.
 class Errors {
  public:
   explicit Errors(const OccupancyGrid& grid) : resolution_(grid.geometry().resolution) {
@@ -74,8 +73,8 @@ class Errors {
 
   void report(benchmark::State& state) {
     std::sort(values_.begin(), values_.end());
-    const auto quantile = [&](double share) {
-      return values_[static_cast<std::size_t>(share * static_cast<double>(values_.size() - 1))];
+    const auto quantile = [&](double fraction) {
+      return values_[static_cast<std::size_t>(fraction * static_cast<double>(values_.size() - 1))];
     };
     state.counters["median"] = quantile(0.5);
     state.counters["p95"] = quantile(0.95);
@@ -91,7 +90,7 @@ class Errors {
   std::vector<double> values_;
 };
 
-/// The same batches of poses again and again, as from a car that stands.
+/// Repeats the same batches of poses, as from a stationary car.
 void measureBatches(benchmark::State& state, const NamedCaster& named, const OccupancyGrid& grid,
                     const std::vector<Poses>& batches) {
   const double start = cpuSeconds();
@@ -122,7 +121,7 @@ void measureBatches(benchmark::State& state, const NamedCaster& named, const Occ
   errors.report(state);
 }
 
-/// Three minutes at 40 Hz, 4,000 particles: every range cast once, all building counted in.
+/// Three minutes at 40 Hz with 4,000 particles; includes the time to build tables.
 void measureDrive(benchmark::State& state, const NamedCaster& named, const OccupancyGrid& grid) {
   const std::vector<Pose2> drive = basementDrive(grid, 180.0);
   constexpr int kParticles = 4000;
@@ -194,8 +193,8 @@ void registerAll() {
     }
   }
   for (const NamedCaster& caster : all_casters) {
-    // The others would take up to a quarter of an hour.
-    if (caster.name != "simd" && caster.name != "panorama") continue;
+    // The other casters would take up to 15 minutes.
+    if (caster.name != "simd" && caster.name != "lut") continue;
     benchmark::RegisterBenchmark(("basement/drive 4000/" + caster.name).c_str(),
                                  [&caster](benchmark::State& state) {
                                    measureDrive(state, caster, all_maps.at("basement"));

@@ -1,4 +1,4 @@
-// CPU time of all threads of this process: what else runs on the machine does not count.
+// CPU time of all threads of this process, independent of the load of the machine.
 #pragma once
 
 #include <time.h>

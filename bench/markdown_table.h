@@ -1,4 +1,4 @@
-// A benchmark's results as a table to paste into a report.
+// Prints benchmark results as a Markdown table.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@ struct Column {
   int decimals;
 };
 
-/// The benchmark program: takes Google Benchmark's options, lets `register_all` register, and
-/// prints a row per benchmark: its name, split at '/', under `name_titles`, then the counters asked
-/// for. Returns the exit code.
+/// main() of a benchmark: parses Google Benchmark options, calls `register_all` and prints one row
+/// per benchmark: its name, split at '/', under `name_titles`, then `columns`. Returns the exit
+/// code.
 int printTable(int argc, char** argv, void (*register_all)(),
                const std::vector<std::string>& name_titles, const std::vector<Column>& columns);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "racecar_mcl/random.h"
+#include "racecar_mcl/common/random.h"
 
 namespace racecar_mcl::bench {
 
@@ -58,8 +58,8 @@ Pose2 roomyPose(const OccupancyGrid& grid, std::uint64_t seed) {
 std::vector<Pose2> basementDrive(const OccupancyGrid& basement, double seconds) {
   const Eigen::Vector2d corners[] = {{125, 125}, {1600, 125}, {1600, 455},  {505, 455},
                                      {505, 805}, {1265, 805}, {1265, 1175}, {125, 1175}};
-  constexpr double kStep = 3.0 / 40.0;  // m a scan
-  constexpr double kTurn = 2.0 / 40.0;  // rad a scan, at most
+  constexpr double kStep = 3.0 / 40.0;  // m per scan
+  constexpr double kTurn = 2.0 / 40.0;  // rad per scan, maximum
   std::vector<Pose2> drive;
   Eigen::Vector2d position = corners[0];
   double yaw = basement.geometry().origin.yaw;

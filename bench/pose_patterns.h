@@ -1,11 +1,11 @@
-// Where particles are: the poses casters and filters are measured with.
+// Pose patterns for benchmarks of casters and filters.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "racecar_mcl/occupancy_grid.h"
-#include "racecar_mcl/range_caster.h"
+#include "racecar_mcl/map/occupancy_grid.h"
+#include "racecar_mcl/raycasting/range_caster.h"
 
 namespace racecar_mcl::bench {
 
@@ -19,13 +19,13 @@ struct Poses {
   void add(const Pose2& pose);
 };
 
-/// Anywhere in free space, in any direction.
+/// Uniform in free space and yaw.
 Poses scatteredPoses(const OccupancyGrid& grid, int count, std::uint64_t seed);
 
-/// Normally distributed about a pose: sigma in m and rad.
+/// Gaussian around a pose; sigma in m and rad.
 Poses cloud(const Pose2& centre, int count, double sigma, double sigma_yaw, std::uint64_t seed);
 
-/// A pose in free space with 0.5 m of room around it.
+/// A pose with 0.5 m of free space around it.
 Pose2 roomyPose(const OccupancyGrid& grid, std::uint64_t seed);
 
 /// The lidar's pose at each scan of a drive along the corridors of basementMap: `seconds` at 40 Hz

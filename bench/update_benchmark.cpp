@@ -1,6 +1,6 @@
-// The filter's whole update (predict, weigh, resample, estimate) along a drive, by sensor model,
-// caster, particles, beams and threads. Prints a table; takes Google Benchmark's options, such as
-// --benchmark_filter=panorama.
+// Time of a filter update (predict, reweight, resample, estimate) during a drive, by sensor model,
+// caster, particles, beams and threads. Prints a table; accepts Google Benchmark options such as
+// --benchmark_filter=lut.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -12,18 +12,19 @@
 #include "cpu_time.h"
 #include "markdown_table.h"
 #include "pose_patterns.h"
-#include "racecar_mcl/particle_filter.h"
-#include "racecar_mcl/range_caster.h"
+#include "racecar_mcl/filter/particle_filter.h"
+#include "racecar_mcl/localizer/localization_map.h"
+#include "racecar_mcl/raycasting/range_caster.h"
 
 namespace racecar_mcl::bench {
 namespace {
 
 constexpr double kSeconds = 10.0;
-constexpr std::size_t kWarmUp = 80;         // scans until the start has settled
+constexpr std::size_t kWarmUp = 80;         // scans before the measurement
 constexpr float kSensorRange = 10.0F;       // m
 constexpr double kRangeNoise = 0.02;        // m
 constexpr double kScanPeriod = 1.0 / 40.0;  // s
-constexpr double kBresenhamRays = 3e7;  // after which the slow caster has been timed well enough
+constexpr double kBresenhamRays = 3e7;      // maximum number of rays for the slow caster
 
 double wallSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -35,10 +36,10 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// What the car of a drive measures, scan by scan.
+/// The poses, motions and scans of a drive.
 struct Drive {
   std::vector<Pose2> poses;
-  std::vector<Motion> motions;  ///< to each scan from the one before
+  std::vector<Motion> motions;  ///< from the previous scan
   std::vector<Scan> scans;
 };
 
@@ -88,17 +89,20 @@ struct Case {
 void measure(benchmark::State& state, const Case& c, const OccupancyGrid& grid,
              const Drive& drive) {
   SensorParameters sensor;
-  sensor.sensor_model = c.model == "field" ? SensorModel::kLikelihoodField : SensorModel::kBeam;
+  sensor.sensor_model =
+      c.model == "field" ? SensorModelType::kLikelihoodField : SensorModelType::kBeam;
   if (c.model != "field") sensor.caster.range_method = c.model;
-  const auto map = makeMapModel(grid, sensor);
+  const auto map = makeLocalizationMap(grid, sensor);
+  const MapView view = map->view();
   ParticleFilterParameters parameters;
-  parameters.num_particles = parameters.global_particles = c.particles;
+  parameters.num_particles = parameters.max_particles = c.particles;
   parameters.num_threads = c.threads;
-  parameters.resample_threshold = 1.0;  // at every scan
+  parameters.resample_threshold = 1.0;  // resample at every scan
   const double rays = static_cast<double>(c.particles) * c.beams;
   const bool slow = c.model == "bresenham";
   for (auto _ : state) {
     ParticleFilter filter(parameters, MotionModelParameters(), 1);
+    const auto model = makeSensorModel(*map, sensor, c.threads);
     const std::size_t warm_up = slow && rays > 1e6 ? 0 : kWarmUp;
     PoseEstimate start{drive.poses[0], Eigen::Matrix3d::Zero()};
     start.covariance.diagonal() << 0.01, 0.01, 0.0025;
@@ -109,7 +113,7 @@ void measure(benchmark::State& state, const Case& c, const OccupancyGrid& grid,
       const double cpu_start = cpuSeconds();
       const double wall_start = wallSeconds();
       filter.predict(drive.motions[i]);
-      const UpdateResult& result = filter.update(map.get(), drive.scans[i]);
+      const UpdateResult& result = filter.update(drive.scans[i], model.get(), &view);
       const double wall_end = wallSeconds();
       const double cpu_end = cpuSeconds();
       if (i < warm_up) continue;
@@ -133,14 +137,14 @@ void registerAll() {
   static const OccupancyGrid grid = basementMap();
   static std::map<int, Drive> drives;
   std::vector<Case> cases;
-  for (const char* model : {"panorama", "simd", "field", "bresenham"}) {
+  for (const char* model : {"lut", "simd", "field", "bresenham"}) {
     for (const int particles : {200, 2000, 10000, 100000}) {
       cases.push_back({model, particles, 100, 1});
       if (model == std::string("bresenham")) continue;
       cases.push_back({model, particles, 100, 2});
     }
   }
-  for (const char* model : {"panorama", "simd", "field"}) {
+  for (const char* model : {"lut", "simd", "field"}) {
     for (const int beams : {50, 1081}) cases.push_back({model, 2000, beams, 1});
   }
   for (const Case& c : cases) {

@@ -1,7 +1,6 @@
-# Shared by setup, test and demo: source it, do not run it. Sets `root`, the clone's folder.
+# Common functions of scripts/ and tools/benchmark, to be sourced. Sets `root`, the folder of the repository.
 #
-# ROS is Debian's or Ubuntu's own, built for the system's Python; a pyenv or conda earlier on the PATH
-# would be found instead and lacks its modules. Hence the plain PATH.
+# ROS is built for the system's Python. A pyenv or conda earlier on the PATH lacks its modules, hence this PATH.
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 if [ ! -d /usr/share/catkin ] && [ -f /opt/ros/noetic/setup.bash ]; then
@@ -17,13 +16,13 @@ fail() {
 # The apt packages, one list per distribution.
 wanted_packages() {
   echo build-essential cmake libeigen3-dev libgtest-dev libopencv-dev libyaml-cpp-dev nlohmann-json3-dev \
-    python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-tqdm python3-yaml
-  # Ubuntu 20.04 has none; CMake fetches it there.
+    python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-setuptools python3-tqdm python3-yaml
+  # Not packaged for Ubuntu 20.04; CMake fetches it there.
   grep -q '^VERSION_CODENAME=focal' /etc/os-release || echo libcli11-dev
   if [ -d /opt/ros/noetic ]; then
     local name
-    for name in ackermann-msgs catkin diagnostic-msgs geometry-msgs nav-msgs nodelet pluginlib rosbag \
-      roscpp rosgraph-msgs roslaunch rosnode rosout rospy rosservice rostest rostopic rviz sensor-msgs \
+    for name in ackermann-msgs catkin diagnostic-msgs dynamic-reconfigure geometry-msgs nav-msgs nodelet pluginlib \
+      rosbag roscpp rosgraph-msgs roslaunch rosnode rosout rospy rosservice rostest rostopic rviz sensor-msgs \
       std-msgs std-srvs tf2 tf2-msgs tf2-py tf2-ros visualization-msgs; do
       echo "ros-noetic-$name"
     done
@@ -32,31 +31,39 @@ wanted_packages() {
       librostest-dev libtf2-msgs-dev libtf2-ros-dev python3-diagnostic-msgs python3-nav-msgs \
       python3-rosbag python3-roslaunch python3-rosnode python3-rospy python3-rosservice python3-rostest \
       python3-rostopic python3-sensor-msgs python3-std-srvs python3-tf2 \
-      python3-tf2-msgs python3-visualization-msgs ros-core-dev rosbash rosout rviz
+      python3-tf2-msgs python3-visualization-msgs ros-core-dev rosbash rosout rviz tf2-tools
   fi
 }
 
-# Installs the packages that are missing, and touches apt only then.
+# What the checks in checks.sh need. Ubuntu 20.04 has other versions, which find other things.
+check_packages() {
+  if grep -q '^VERSION_CODENAME=bookworm' /etc/os-release; then
+    echo catkin-lint clang-format clang-tidy doxygen pre-commit
+  fi
+}
+
+# install_packages [PACKAGE...]: installs what is missing of these and of wanted_packages; calls apt only if
+# something is.
 install_packages() {
   local missing=() package
-  for package in $(wanted_packages); do
+  for package in $(wanted_packages) "$@"; do
     [ "$(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null || true)" = "ii " ] ||
       missing+=("$package")
   done
   [ ${#missing[@]} -gt 0 ] || return 0
   local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q)
   if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || fail "these packages are missing, and neither root nor sudo is" \
-      "here to install them: ${missing[*]}"
+    command -v sudo >/dev/null || fail "neither root nor sudo is available to install the missing" \
+      "packages: ${missing[*]}"
     apt=(sudo "${apt[@]}")
   fi
   echo "installing ${#missing[@]} missing packages: ${missing[*]}"
   "${apt[@]}" update
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}" ||
-    fail "apt could not install them; Debian 12 and Ubuntu 20.04 with ROS Noetic have them all"
+    fail "apt failed; supported are Debian 12, and Ubuntu 20.04 with ROS Noetic"
 }
 
-# As many jobs as there are cores, but each with the 1.5 GB a large source file may take.
+# The number of cores, limited to one job per 1.5 GB of available memory.
 build_jobs() {
   local cores memory
   cores=$(nproc)
@@ -64,10 +71,10 @@ build_jobs() {
   echo $((memory < 1 ? 1 : memory < cores ? memory : cores))
 }
 
-# build_in FOLDER TARGET [cmake arguments]: configures when new or when arguments are given, then builds.
-build_in() {
-  local folder="$root/$1" target="$2"
-  shift 2
+# configure_in FOLDER [cmake arguments]: configures if new or if arguments are given.
+configure_in() {
+  local folder="$root/$1"
+  shift
   if [ ! -f "$folder/Makefile" ] || [ $# -gt 0 ]; then
     mkdir -p "$folder"
     cmake -S "$root" -B "$folder" -DPYTHON_EXECUTABLE=/usr/bin/python3 "$@" \
@@ -76,5 +83,12 @@ build_in() {
       return 1
     }
   fi
-  cmake --build "$folder" --target "$target" -j "$(build_jobs)"
+}
+
+# build_in FOLDER TARGET [cmake arguments]: configures as configure_in does, then builds.
+build_in() {
+  local folder="$1" target="$2"
+  shift 2
+  configure_in "$folder" "$@" || return 1
+  cmake --build "$root/$folder" --target "$target" -j "$(build_jobs)"
 }

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Counts the tests of one or more build folders from what ctest and the tests wrote.
+"""Counts the test results of one or more build folders from the files of ctest and the tests.
 
-The last line printed is `N passed, N failed` (and `, N skipped`). A test program that wrote no
-results, or failed without naming a failed test, counts as one failure, so that a crash cannot pass
-for fewer tests. Exits 1 when something failed or nothing ran.
+The last line is `N passed, N failed` (and `, N skipped`). A test program that wrote no results, or failed
+without a failed test, counts as one failure, so that a crash does not look like fewer tests. Exit status 1 if
+something failed or nothing ran.
 """
 import argparse
 import json
@@ -12,7 +12,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-# rostest wraps each test program in one case of its own; the program's cases are in its own file.
+# rostest adds one wrapper case per test program; the program's cases are in a file of their own.
 ROSTEST_CLASS = "rostest.runner.RosTest"
 
 
@@ -27,24 +27,24 @@ class Count:
 
 
 def is_skipped(case):
-    # gtest names a skip in `result` (and since 1.11 as a child), a disabled case in `status`.
+    # gtest marks a skipped case in `result` (since 1.11 also as a child), a disabled case in `status`.
     return (case.find("skipped") is not None or case.get("result") == "skipped" or
             case.get("status") == "notrun")
 
 
 def count_cases(path, where, count):
-    """Adds the cases of one results file. Returns how many it holds and how many failed."""
+    """Adds the cases of one results file. Returns the number of its cases and of the failed ones."""
     try:
         cases = list(ElementTree.parse(path).getroot().iter("testcase"))
     except ElementTree.ParseError as error:
-        count.fail(where, f"{path.name} is not whole: {error}")
+        count.fail(where, f"{path.name} is incomplete: {error}")
         return 1, 1
     failed = 0
     for case in cases:
         wrapped = case.get("classname") == ROSTEST_CLASS
         inside = wrapped and has_failure(path.with_name(f"rosunit-{case.get('name')[len('test'):]}.xml"))
         if inside:
-            failed += 1  # told by the program's own file
+            failed += 1  # counted in the program's own file
         elif case.find("failure") is not None or case.find("error") is not None:
             failed += 1
             count.fail(where, f"{case.get('classname')}.{case.get('name')}")
@@ -64,7 +64,7 @@ def has_failure(path):
 
 
 def selected_tests(folder):
-    """The names ctest was asked to run, as scripts/test saved them."""
+    """The names of the tests that ctest was to run, saved by scripts/test."""
     with open(folder / "selected_tests.json", encoding="utf-8") as file:
         return [test["name"] for test in json.load(file)["tests"]]
 
@@ -90,7 +90,7 @@ def count_folder(folder, count):
         if failures > 0:
             continue
         if name in failed:
-            count.fail(f"{folder.name}/{name}", "the program failed, outside of its tests")
+            count.fail(f"{folder.name}/{name}", "the program failed outside of its tests")
         elif cases == 0:
             count.fail(f"{folder.name}/{name}", "wrote no results")
 
@@ -99,9 +99,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", nargs="*", type=Path, help="build folders whose tests ran")
     parser.add_argument("--passed", action="append", default=[], metavar="WHAT",
-                        help="something that counts as one more test, and passed")
+                        help="counts as one more passed test")
     parser.add_argument("--failed", action="append", default=[], metavar="WHAT",
-                        help="likewise, and failed, e.g. a build")
+                        help="counts as one more failed test, e.g. a build")
     options = parser.parse_args()
     count = Count()
     for folder in options.folder:

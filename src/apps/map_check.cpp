@@ -1,17 +1,16 @@
-// Reads a map as the localizer does; says, and draws, what a lidar can see of it.
-#include <algorithm>
-#include <cmath>
+// Checks a map: prints and draws its statistics and the surfaces that a lidar can see.
 #include <iomanip>
 #include <iostream>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
 
-#include "program.h"
-#include "racecar_mcl/errors.h"
-#include "racecar_mcl/map_io.h"
-#include "racecar_mcl/map_summary.h"
+#include "cli.h"
+#include "file_options.h"
+#include "image_file.h"
+#include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/map/map_io.h"
+#include "racecar_mcl/map/map_summary.h"
 
 namespace racecar_mcl {
 namespace {
@@ -23,7 +22,7 @@ struct Options {
 
 void addOptions(Options* o, CLI::App* app) {
   app->add_option("map", o->map, "map_server YAML")->required()->type_name("MAP.yaml");
-  app->add_option("--out", o->out, "draw what is seen of the map into this image, e.g. map.png");
+  app->add_option("--out", o->out, "draw the visible surfaces into this image, such as map.png");
 }
 
 void print(const MapSummary& s, std::ostream& out) {
@@ -46,7 +45,7 @@ void print(const MapSummary& s, std::ostream& out) {
   out.flush();
 }
 
-// Blue first, as OpenCV has them.
+// BGR.
 const cv::Vec3b kFree(255, 255, 255);
 const cv::Vec3b kUnknown(205, 205, 205);
 const cv::Vec3b kSurface(0, 0, 0);
@@ -54,7 +53,7 @@ const cv::Vec3b kHidden(110, 110, 110);
 const cv::Vec3b kBlurred(0, 140, 255);
 const cv::Vec3b kOpening(230, 90, 0);
 
-/// A pixel per cell, the highest row first.
+/// One pixel per cell, highest row first.
 cv::Mat drawCells(const OccupancyGrid& grid, const Surfaces& surfaces) {
   const GridGeometry& geometry = grid.geometry();
   const std::vector<std::uint8_t> openings = findOpenings(grid);
@@ -75,73 +74,39 @@ cv::Mat drawCells(const OccupancyGrid& grid, const Surfaces& surfaces) {
   return picture;
 }
 
-constexpr int kWideEnough = 1200;   // pixels, to which small maps are magnified
-constexpr int kMostMagnified = 40;  // pixels per cell
-
-/// The legend's size follows the picture's, for it is looked at as a whole.
-cv::Mat drawLegend(int width) {
-  const double unit = std::max(1.0, width / 1600.0);
-  const auto pixels = [&](double count) { return cvRound(count * unit); };
-  const std::pair<cv::Vec3b, const char*> entries[] = {
-      {kFree, "free"},       {kUnknown, "unknown"}, {kSurface, "surface"},
-      {kBlurred, "blurred"}, {kHidden, "hidden"},   {kOpening, "opening"}};
-  cv::Mat legend(pixels(30), std::max(width, pixels(690)), CV_8UC3, cv::Scalar::all(255));
-  cv::line(legend, {0, 0}, {legend.cols, 0}, cv::Scalar::all(150));
-  int x = pixels(10);
-  for (const auto& [colour, name] : entries) {
-    const cv::Rect box(x, pixels(9), pixels(14), pixels(14));
-    cv::rectangle(legend, box, cv::Scalar(colour), cv::FILLED);
-    cv::rectangle(legend, box, cv::Scalar::all(90), 1);
-    cv::putText(legend, name, {x + pixels(21), pixels(21)}, cv::FONT_HERSHEY_SIMPLEX, 0.5 * unit,
-                cv::Scalar(48, 36, 28), pixels(1), cv::LINE_AA);
-    x += pixels(113);
-  }
-  return legend;
-}
-
-/// Cells are squares of whole pixels from the left upper corner on; below them is the legend.
+/// The cells, magnified by a whole number, with a legend below.
 cv::Mat drawMap(const OccupancyGrid& grid, const Surfaces& surfaces) {
   const cv::Mat cells = drawCells(grid, surfaces);
-  const int scale =
-      std::clamp(cvRound(1.0 * kWideEnough / std::max(cells.cols, cells.rows)), 1, kMostMagnified);
-  const cv::Size size(cells.cols * scale, cells.rows * scale);
-  const cv::Mat legend = drawLegend(size.width);
-  cv::Mat picture(size.height + legend.rows, legend.cols, CV_8UC3, cv::Scalar::all(255));
-  cv::resize(cells, picture(cv::Rect({0, 0}, size)), size, 0.0, 0.0, cv::INTER_NEAREST);
-  legend.copyTo(picture.rowRange(size.height, picture.rows));
-  return picture;
-}
-
-void write(const cv::Mat& picture, const std::string& path) {
-  bool written = false;
-  try {
-    written = cv::imwrite(path, picture);
-  } catch (const cv::Exception&) {  // no known ending
-  }
-  if (!written) {
-    throw std::runtime_error(path +
-                             ": the picture could not be written; expected a name such as map.png "
-                             "in a folder that exists");
-  }
+  const int scale = magnificationOf(cells.size());
+  cv::Mat picture;
+  cv::resize(cells, picture, {}, scale, scale, cv::INTER_NEAREST);
+  return withLegend(picture, drawLegend({{kFree, "free"},
+                                         {kUnknown, "unknown"},
+                                         {kSurface, "surface"},
+                                         {kBlurred, "blurred"},
+                                         {kHidden, "hidden"},
+                                         {kOpening, "opening"}},
+                                        picture.cols));
 }
 
 void run(const Options& o) {
+  requireSeparateFiles({o.out}, mapFiles(o.map));
   const OccupancyGrid grid = loadMap(o.map);
   const Surfaces surfaces = findSurfaces(grid);
   const MapSummary summary = summarize(grid, surfaces);
   print(summary, std::cout);
-  if (!std::cout) throw std::runtime_error("stdout: the summary could not be written whole");
-  if (!o.out.empty()) write(drawMap(grid, surfaces), o.out);
-  if (!summary.usable()) throw MapError(o.map + ": a localizer cannot use this map");
+  if (!std::cout) throw std::runtime_error("stdout: cannot write the whole summary");
+  if (!o.out.empty()) writeImage(drawMap(grid, surfaces), o.out);
+  if (!summary.usable()) throw MapError(o.map + ": the localizer cannot use this map");
 }
 
 }  // namespace
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  return racecar_mcl::runProgram(
-      argc, argv, "map_check",
-      "Reads a map as the localizer does; says, and with --out draws, what a lidar can see of it. "
-      "Exit code 1 where a localizer cannot use the map.",
-      racecar_mcl::addOptions, racecar_mcl::run);
+  return racecar_mcl::runProgram(argc, argv, "map_check",
+                                 "Checks a map: prints statistics and warnings; with --out draws "
+                                 "the surfaces that a lidar can "
+                                 "see. Exit code 1 if the localizer cannot use the map.",
+                                 racecar_mcl::addOptions, racecar_mcl::run);
 }

@@ -1,28 +1,26 @@
-// map_node [map.yaml]: the map source as a program. Without an argument it reads the parameter
+// map_node [map.yaml]: the map server as a program. Without an argument it reads the parameter
 // ~yaml_filename.
 #include <filesystem>
-#include <iostream>
 
-#include "ros/map_source.h"
-#include "ros_program.h"
+#include "ros/map_server/map_server.h"
+#include "ros_main.h"
+
+namespace {
+
+constexpr char kUsage[] =
+    "usage: map_node [map.yaml] [ROS remappings]\n"
+    "Publishes the map on `map` and `map_metadata` and serves it as `static_map`.\n"
+    "Without an argument the parameter ~yaml_filename names the map.\n";
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<std::string> arguments;
-  ros::removeROSArgs(argc, argv, arguments);
-  const bool asks_for_help =
-      arguments.size() == 2 && (arguments[1] == "-h" || arguments[1] == "--help");
-  if (asks_for_help || arguments.size() > 2) {
-    (asks_for_help ? std::cout : std::cerr)
-        << "usage: map_node [map.yaml]\n"
-           "Publishes the map on `map` and `map_metadata` and serves it as `static_map`.\n"
-           "Without an argument the parameter ~yaml_filename names the map.\n";
-    return asks_for_help ? 0 : 1;
-  }
-
+  const std::vector<std::string> arguments = racecar_mcl::programArguments(argc, argv);
+  if (const auto code = racecar_mcl::printUsage(arguments, 1, kUsage)) return *code;
   ros::init(argc, argv, "map_node");
-  if (arguments.size() == 2) {
-    // A parameter outlives this shell's folder, so it holds the whole path.
-    ros::param::set("~yaml_filename", std::filesystem::absolute(arguments[1]).string());
+  if (!arguments.empty()) {
+    // Absolute, because the parameter may be read from another working directory.
+    ros::param::set("~yaml_filename", std::filesystem::absolute(arguments[0]).string());
   }
-  return racecar_mcl::runNode<racecar_mcl::MapSource>("no map is served");
+  return racecar_mcl::runNode<racecar_mcl::MapServer>("not serving a map");
 }

@@ -1,12 +1,12 @@
-// The options --config and --set, alike in every program that runs the localizer.
+// The options --config and --set of all programs that use the localizer.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
-#include "racecar_mcl/errors.h"
-#include "racecar_mcl/parameters.h"
+#include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/localizer/parameter_registry.h"
 
 namespace racecar_mcl {
 
@@ -16,11 +16,11 @@ struct ParameterOptions {
 };
 
 inline void addParameterOptions(ParameterOptions* o, CLI::App* app) {
-  app->add_option("--config", o->config, "parameters as a YAML file");
-  app->add_option("--set", o->settings, "a parameter as name:=value; after --config");
+  app->add_option("--config", o->config, "YAML file with parameters");
+  app->add_option("--set", o->settings, "parameter as name:=value; overrides --config");
 }
 
-/// The defaults, then the YAML file if one is named, then the settings. Throws ParameterError.
+/// Defaults, overridden by the YAML file and then by the settings. Throws ParameterError.
 inline LocalizerParameters readParameters(const ParameterOptions& o) {
   LocalizerParameters parameters;
   if (!o.config.empty()) readParameterFile(o.config, &parameters);

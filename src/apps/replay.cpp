@@ -1,4 +1,4 @@
-// Localizes over recorded bags, without a ROS master and as fast as it goes, and says how well.
+// Runs the localizer on recorded bags, offline, and reports its accuracy.
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,28 +19,30 @@ using ProgressBar = boost::timer::progress_display;
 using ProgressBar = boost::progress_display;
 #endif
 
-#include "bag_reader.h"
+#include "cli.h"
 #include "evaluation/trajectory.h"
 #include "evaluation/trajectory_error.h"
-#include "output_files.h"
+#include "file_options.h"
+#include "lidar_options.h"
+#include "offline/bag_reader.h"
+#include "offline/offline_driver.h"
+#include "offline/output_files.h"
+#include "offline/particle_recorder.h"
+#include "offline/replay_report.h"
+#include "offline/video/video_recorder.h"
 #include "parameter_options.h"
-#include "particle_table.h"
-#include "program.h"
-#include "racecar_mcl/errors.h"
-#include "racecar_mcl/localizer.h"
-#include "racecar_mcl/map_io.h"
-#include "racecar_mcl/parameters.h"
-#include "racecar_mcl/require.h"
-#include "replay_outputs.h"
-#include "replay_run.h"
-#include "ros/node_parameters.h"
-#include "video.h"
+#include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/common/validation.h"
+#include "racecar_mcl/localizer/localizer.h"
+#include "racecar_mcl/localizer/parameter_registry.h"
+#include "racecar_mcl/map/map_io.h"
+#include "ros/localization/node_parameters.h"
 
 namespace racecar_mcl {
 namespace {
 
 constexpr char kTruthTopic[] = "/ground_truth/odom";
-// How well a truth is taken to be known where the localizer starts from it.
+// Initial standard deviations with --initial-pose-from-truth.
 constexpr double kTruthSigma = 0.1;      // m
 constexpr double kTruthYawSigma = 0.05;  // rad
 
@@ -57,59 +59,59 @@ struct Options {
   std::uint64_t seed = 1;
   std::string scan_topic = "/scan";
   std::string odom_topic = "/vesc/odom";
+  std::string imu_topic;
   std::string odom_frame = "odom";
   std::string base_frame = "base_link";
   std::string laser_pose;
   std::string motion_from;
   double max_gap = 0.5;
-  VideoParameters video;  ///< no film where the path is empty
+  VideoParameters video;  ///< no video if the path is empty
   std::string particles;
   double particles_period = 1.0;
 };
 
 void addOptions(Options* o, CLI::App* app) {
-  app->add_option("--bag", o->bags, "a recording; may be given several times")->required();
-  app->add_option("--map", o->map, "the map's YAML file")->required();
-  app->add_option("--out", o->out, "folder for trajectory.tum, updates.csv and summary.json")
+  app->add_option("--bag", o->bags, "recorded bag; may be repeated")->required();
+  app->add_option("--map", o->map, "map YAML file")->required();
+  app->add_option("--out", o->out, "output folder for trajectory.tum, updates.csv and summary.json")
       ->required();
   addParameterOptions(&o->parameters, app);
-  app->add_option("--start", o->span.start, "begin so many s into the recording")
+  app->add_option("--start", o->span.start, "start of the replayed part, s into the recording")
       ->capture_default_str();
-  app->add_option("--duration", o->span.duration, "and end so many s later [at the end]");
+  app->add_option("--duration", o->span.duration, "duration of the replayed part, s [to the end]");
   CLI::Option* pose = app->add_option("--initial-pose", o->initial_pose,
-                                      "\"x y yaw\" in the map, at the first message");
+                                      "start pose \"x y yaw\" at the first message");
   CLI::Option* from_truth = app->add_flag("--initial-pose-from-truth", o->initial_pose_from_truth,
-                                          "start from the truth's first pose, when it holds; "
-                                          "with --start its first from there on");
-  app->add_flag("--global", o->global, "start anywhere on the map; so does no start at all")
+                                          "start at the first pose of the truth (after --start) "
+                                          "and at its time");
+  app->add_flag("--global", o->global, "global localization (default without a start pose)")
       ->excludes(pose)
       ->excludes(from_truth);
   pose->excludes(from_truth);
-  app->add_option("--truth", o->truth, "the true trajectory, a TUM file");
-  app->add_option("--seed", o->seed, "of every random number")->capture_default_str();
+  app->add_option("--truth", o->truth, "ground truth, a TUM file");
+  app->add_option("--seed", o->seed, "random seed")->capture_default_str();
   app->add_option("--scan-topic", o->scan_topic, "sensor_msgs/LaserScan")->capture_default_str();
   app->add_option("--odom-topic", o->odom_topic, "nav_msgs/Odometry")->capture_default_str();
-  app->add_option("--odom-frame", o->odom_frame, "with --motion-from tf, the odometry's frame")
+  app->add_option("--imu-topic", o->imu_topic, "sensor_msgs/Imu, for its gyro [none]");
+  app->add_option("--odom-frame", o->odom_frame, "odometry frame, with --motion-from tf")
       ->capture_default_str();
-  app->add_option("--base-frame", o->base_frame, "the frame that is localized")
-      ->capture_default_str();
+  app->add_option("--base-frame", o->base_frame, "localized frame")->capture_default_str();
   app->add_option("--laser-pose", o->laser_pose,
-                  "\"x y yaw\" of the lidar on the car, instead of the bag's tf");
-  app->add_option("--motion-from", o->motion_from,
-                  "twist, pose or tf: what odometry is taken from");
+                  "\"x y yaw\" of the lidar in base_frame, instead of the bag's tf");
+  app->add_option("--motion-from", o->motion_from, "source of odometry: twist, pose or tf");
   app->add_option("--max-gap", o->max_gap,
-                  "s; no error is taken where estimates lie further apart than this")
+                  "maximum interval between estimates for error evaluation, s")
       ->capture_default_str();
-  app->add_option("--video", o->video.path, "a film of the run: a name that ends in .mp4");
-  app->add_option("--video-speed", o->video.speed, "recorded seconds per second of film")
+  app->add_option("--video", o->video.path, "output video, such as run.mp4");
+  app->add_option("--video-speed", o->video.speed, "recorded seconds per second of video")
       ->capture_default_str();
-  app->add_option("--video-width", o->video.width, "m that the film shows from left to right")
-      ->capture_default_str();
-  app->add_option("--particles", o->particles, "a CSV file for the particle sets");
-  app->add_option("--particles-period", o->particles_period, "s between two of them at least")
+  app->add_option("--video-width", o->video.width, "visible width, m")->capture_default_str();
+  app->add_option("--particles", o->particles, "output CSV file for particle sets");
+  app->add_option("--particles-period", o->particles_period,
+                  "minimum interval between particle sets, s")
       ->capture_default_str();
   app->footer(std::string("Without --truth, ") + kTruthTopic +
-              " (nav_msgs/Odometry) is the truth where a bag holds it.");
+              " (nav_msgs/Odometry) of the bag is the ground truth, if present.");
 }
 
 LocalizerParameters parametersOf(const Options& o) {
@@ -118,25 +120,25 @@ LocalizerParameters parametersOf(const Options& o) {
   return parameters;
 }
 
-/// The truth from a file or from the bag; none where there is neither.
+/// The ground truth from the file, else from the bag, if present.
 std::optional<Trajectory> readTruth(const Options& o, const BagReader& bags) {
   if (!o.truth.empty()) return readTum(o.truth);
   if (bags.hasTopic(kTruthTopic, "nav_msgs/Odometry")) return bags.readPoses(kTruthTopic);
   return std::nullopt;
 }
 
-/// From the first pose that holds at `begin` or later.
+/// The first pose of the truth at `begin` or later.
 std::optional<TimedStart> startFromTruth(const std::optional<Trajectory>& truth,
                                          Nanoseconds begin) {
   if (!truth) {
-    throw ParameterError(std::string("--initial-pose-from-truth needs --truth or ") + kTruthTopic +
-                         " in the bag");
+    throw ParameterError(std::string("--initial-pose-from-truth requires --truth or ") +
+                         kTruthTopic + " in the bag");
   }
   const auto first = std::find_if(truth->begin(), truth->end(),
                                   [&](const StampedPose& pose) { return pose.stamp >= begin; });
   if (first == truth->end()) {
-    throw TrajectoryError("the truth covers " + spanOf(*truth) + " s and so no pose from " +
-                          formatStamp(begin) + " s on, where --start lies");
+    throw TrajectoryError("the truth covers " + spanOf(*truth) +
+                          " s, which has no pose after --start (" + formatStamp(begin) + " s)");
   }
   TimedStart start{first->stamp, {first->pose, Eigen::Matrix3d::Zero()}};
   start.estimate.covariance.diagonal() << kTruthSigma * kTruthSigma, kTruthSigma * kTruthSigma,
@@ -144,7 +146,7 @@ std::optional<TimedStart> startFromTruth(const std::optional<Trajectory>& truth,
   return start;
 }
 
-/// Starts the localizer now, or says when it is to be started.
+/// Initializes the localizer, or returns a start at a later time.
 std::optional<TimedStart> start(const Options& o, const BagReader& bags,
                                 const std::optional<Trajectory>& truth, Localizer* localizer) {
   if (o.initial_pose_from_truth) {
@@ -165,21 +167,68 @@ std::optional<TrajectoryErrors> errorsOf(const Trajectory& estimate,
   if (!truth) return std::nullopt;
   const TrajectoryErrors errors = compareTrajectories(estimate, *truth, max_gap);
   if (errors.stamps_used == 0) {
-    throw TrajectoryError("no error can be taken: the truth covers " + spanOf(*truth) +
+    throw TrajectoryError("cannot evaluate errors: the truth covers " + spanOf(*truth) +
                           " s, the estimate " + spanOf(estimate) + " s, and " +
                           std::to_string(errors.stamps_skipped) +
-                          " stamps in common lie in gaps over --max-gap");
+                          " common stamps are in gaps longer than --max-gap");
   }
   return errors;
 }
 
-void warnAbout(const ReplayRecord& record) {
-  if (record.scans_refused == 0) return;
-  std::cerr << "replay: warning: " << record.scans_refused << " of " << record.scans_seen
-            << " scans are not usable; the first because " << record.first_refusal << std::endl;
+void warnAboutDroppedMessages(const ReplayRecord& record) {
+  for (const auto& [reason, count] : record.dropped) {
+    std::cerr << "replay: warning: " << count << " x " << reason << '\n';
+  }
+  if (!record.clock_problem.empty()) {
+    std::cerr << "replay: warning: " << record.clock_problem << '\n';
+  }
+}
+
+/// Throws BagError if the recording did not localize the car.
+void requireResult(const ReplayRecord& record) {
+  if (record.trajectory.empty()) {
+    throw BagError("no pose was estimated: the recording ends before the localizer is initialized");
+  }
+  if (record.scans.empty()) {
+    throw BagError("none of the " + std::to_string(record.scans_seen) +
+                   " scans was used; expected scans from which the localizer can estimate poses");
+  }
+}
+
+void useImu(const Options& o, const BagReader& bags, ReplayInput* input) {
+  bags.requireTopic(o.imu_topic, "sensor_msgs/Imu", "--imu-topic");
+  input->imu_topic = o.imu_topic;
+  const std::optional<geometry_msgs::Quaternion> rotation =
+      bags.imuRotation(o.imu_topic, o.base_frame);
+  if (!rotation) {
+    std::cerr << "replay: warning: the bag has no transform from '" << o.base_frame
+              << "' to the IMU's frame; its axes are taken as those of the car" << std::endl;
+  }
+  input->imu_rotation = rotation.value_or(quaternionOf(0.0));
+}
+
+void warnAboutImu(const ReplayRecord& record, const GyroCalibration& gyro) {
+  if (!record.imu_rejection.empty()) {
+    std::cerr << "replay: warning: no gyro: " << record.imu_rejection << std::endl;
+  }
+  if (gyro.isInDegrees()) {
+    std::cerr << "replay: warning: the IMU publishes degrees per second instead of rad/s; its "
+                 "samples were converted"
+              << std::endl;
+  }
+  if (gyro.use() == GyroUse::kWrong) {
+    std::cerr << "replay: warning: gyro " << toString(gyro.use()) << " (the scans turn "
+              << gyro.ratio() << " times as far)" << std::endl;
+  }
 }
 
 void validate(const Options& o) {
+  std::vector<std::string> outputs = filesIn(o.out, reportFiles());
+  outputs.insert(outputs.end(), {o.video.path, o.particles});
+  std::vector<std::string> inputs = mapFiles(o.map);
+  inputs.insert(inputs.end(), o.bags.begin(), o.bags.end());
+  inputs.insert(inputs.end(), {o.truth, o.parameters.config});
+  requireSeparateFiles(outputs, inputs);
   requireNotNegative("--max-gap", o.max_gap, "s");
   requireNotNegative("--start", o.span.start, "s");
   require(o.span.duration > 0.0, "--duration", o.span.duration, "positive", "s");
@@ -189,7 +238,7 @@ void replay(const Options& o) {
   validate(o);
   const LocalizerParameters parameters = parametersOf(o);
   Localizer localizer(parameters, o.seed);
-  localizer.setMap(makeMapModel(loadMap(o.map), parameters));
+  localizer.setMap(makeLocalizationMap(loadMap(o.map), parameters));
 
   const BagReader bags(o.bags, o.span);
   bags.requireTopic(o.scan_topic, "sensor_msgs/LaserScan", "--scan-topic");
@@ -203,14 +252,15 @@ void replay(const Options& o) {
   if (from_tf) {
     input.odometry_from_tf = {o.odom_frame, o.base_frame, parameters.odometry.clock_jump};
   }
-  input.mount = o.laser_pose.empty() ? bags.laserMount(o.scan_topic, o.base_frame)
-                                     : LaserMount{parsePose("--laser-pose", o.laser_pose), false};
+  input.extrinsics = lidarExtrinsics(o.laser_pose, bags, o.scan_topic, o.base_frame);
+  if (!o.imu_topic.empty()) useImu(o, bags, &input);
   input.start = start(o, bags, truth, &localizer);
 
   std::unique_ptr<ProgressBar> bar;
   if (isatty(STDERR_FILENO) != 0) {
-    bar = std::make_unique<ProgressBar>(bags.count({o.scan_topic, from_tf ? "/tf" : o.odom_topic}),
-                                        std::cerr, "");
+    std::vector<std::string> topics{o.scan_topic, from_tf ? "/tf" : o.odom_topic};
+    if (!o.imu_topic.empty()) topics.push_back(o.imu_topic);
+    bar = std::make_unique<ProgressBar>(bags.count(topics), std::cerr, "");
   }
   std::vector<ReplayObserver*> observers;
   std::unique_ptr<VideoRecorder> video;
@@ -218,21 +268,24 @@ void replay(const Options& o) {
     video = std::make_unique<VideoRecorder>(o.video, localizer.map()->grid, truth, o.max_gap);
     observers.push_back(video.get());
   }
-  ParticleTable particles(o.particles_period);
+  ParticleRecorder particles(o.particles_period);
   if (!o.particles.empty()) observers.push_back(&particles);
   const auto progress = [&] {
     if (bar) ++*bar;
   };
   const ReplayRecord record = runReplay(bags, input, &localizer, progress, observers);
-  warnAbout(record);
-  if (record.trajectory.empty()) {
-    throw BagError("no pose was estimated: the recording ended before the localizer was started");
-  }
+  warnAboutDroppedMessages(record);
+  warnAboutImu(record, localizer.calibration().gyro());
+  requireResult(record);
   const std::optional<TrajectoryErrors> errors = errorsOf(record.trajectory, truth, o.max_gap);
 
-  const RunDescription description{parameters, o.seed, RACECAR_MCL_VERSION, localizer.counters(),
-                                   localizer.sweepOrder().word()};
-  writeOutputs(o.out, record, summaryJson(record, description, errors));
+  const ReplayMetadata description{parameters,
+                                   o.seed,
+                                   RACECAR_MCL_VERSION,
+                                   localizer.counters(),
+                                   localizer.scanDirection().word(),
+                                   toString(localizer.calibration().gyro().use())};
+  writeReport(o.out, record, summaryJson(record, description, errors));
   if (video) video->finish();
   if (!o.particles.empty()) writeFile(o.particles, particles.csv());
   std::cout << summaryText(record, description, errors) << std::endl;
@@ -244,6 +297,6 @@ void replay(const Options& o) {
 int main(int argc, char** argv) {
   return racecar_mcl::runProgram(
       argc, argv, "replay",
-      "Localizes over recorded bags and writes trajectory.tum, updates.csv, summary.json.",
+      "Runs the localizer on recorded bags; writes trajectory.tum, updates.csv and summary.json.",
       racecar_mcl::addOptions, racecar_mcl::replay);
 }

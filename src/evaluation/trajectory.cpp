@@ -6,12 +6,15 @@
 #include <fstream>
 #include <sstream>
 
+#include "racecar_mcl/common/printable.h"
+
 namespace racecar_mcl {
 namespace {
 
 constexpr Nanoseconds kNanosecondsPerSecond = 1000000000;
 
-/// A decimal number of seconds, exactly. Throws std::invalid_argument or std::out_of_range.
+/// Parses a decimal number of seconds without rounding. Throws std::invalid_argument or
+/// std::out_of_range.
 Nanoseconds parseStamp(const std::string& text) {
   const bool plain = text.find_first_not_of("0123456789.") == std::string::npos;
   const std::size_t point = std::min(text.find('.'), text.size());
@@ -19,7 +22,7 @@ Nanoseconds parseStamp(const std::string& text) {
     std::size_t used = 0;
     const double seconds = std::stod(text, &used);
     if (used != text.size() || !(std::abs(seconds) < 9e9)) throw std::out_of_range(text);
-    return std::llround(seconds * 1e9);
+    return toNanoseconds(seconds);
   }
   std::string fraction = point < text.size() ? text.substr(point + 1) : "";
   if (fraction.find('.') != std::string::npos || point > 10) throw std::invalid_argument(text);
@@ -29,7 +32,7 @@ Nanoseconds parseStamp(const std::string& text) {
   return seconds * kNanosecondsPerSecond + std::stoll(fraction);
 }
 
-/// Throws std::exception where the line is not a stamped pose.
+/// Throws std::logic_error if the line is not a stamped pose.
 StampedPose parseLine(const std::string& line) {
   std::istringstream fields(line);
   std::string stamp;
@@ -39,7 +42,7 @@ StampedPose parseLine(const std::string& line) {
   }
   const double yaw = std::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
   const Pose2 pose{x, y, yaw};
-  if (!isFinite(pose) || qx * qx + qy * qy + qz * qz + qw * qw < 1e-6) {
+  if (!isWithin(pose, kMaxCoordinate) || qx * qx + qy * qy + qz * qz + qw * qw < 1e-6) {
     throw std::invalid_argument(line);
   }
   return {parseStamp(stamp), pose};
@@ -82,24 +85,26 @@ Trajectory readTum(const std::string& path) {
     try {
       poses.push_back(parseLine(line));
     } catch (const std::logic_error&) {
-      throw TrajectoryError(path + ", line " + std::to_string(number) + ": '" + line.substr(0, 80) +
-                            "' is no pose; expected 't x y z qx qy qz qw'");
+      throw TrajectoryError(path + ", line " + std::to_string(number) + ": '" + printable(line) +
+                            "' is not a pose; expected 't x y z qx qy qz qw' in s and m");
     }
   }
   if (poses.empty()) {
-    throw TrajectoryError(path + ": holds no pose; expected lines of 't x y z qx qy qz qw'");
+    throw TrajectoryError(path + ": contains no poses; expected lines of 't x y z qx qy qz qw'");
   }
   return inOrder(std::move(poses));
 }
 
-void writeTum(const Trajectory& trajectory, std::ostream& out) {
+std::string tumLine(const StampedPose& pose) {
   char line[128];
-  for (const StampedPose& row : trajectory) {
-    const double half_yaw = 0.5 * row.pose.yaw;
-    std::snprintf(line, sizeof(line), " %.9f %.9f 0 0 0 %.12f %.12f\n", row.pose.x, row.pose.y,
-                  std::sin(half_yaw), std::cos(half_yaw));
-    out << formatStamp(row.stamp) << line;
-  }
+  const double half_yaw = 0.5 * pose.pose.yaw;
+  std::snprintf(line, sizeof(line), " %.9f %.9f 0 0 0 %.12f %.12f\n", pose.pose.x, pose.pose.y,
+                std::sin(half_yaw), std::cos(half_yaw));
+  return formatStamp(pose.stamp) + line;
+}
+
+void writeTum(const Trajectory& trajectory, std::ostream& out) {
+  for (const StampedPose& pose : trajectory) out << tumLine(pose);
 }
 
 std::optional<Pose2> poseAt(const Trajectory& trajectory, Nanoseconds stamp, double max_gap) {

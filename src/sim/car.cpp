@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "racecar_mcl/require.h"
+#include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl::sim {
 
@@ -12,6 +12,7 @@ void CarParameters::validate() const {
   require(max_steering > 0.0 && max_steering < kPi / 2.0, "max_steering", max_steering,
           "between 0 and pi/2", "rad");
   requirePositive("max_steering_rate", max_steering_rate, "rad/s");
+  requireWithin("steering_delay", steering_delay, 0.0, 1.0);
   requirePositive("max_acceleration", max_acceleration, "m/s^2");
   requirePositive("max_deceleration", max_deceleration, "m/s^2");
   requirePositive("length_ahead", length_ahead, "m");
@@ -23,14 +24,15 @@ Twist2 twistOf(const CarState& car, const CarParameters& parameters) {
   return {car.speed, 0.0, car.speed * std::tan(car.steering) / parameters.wheelbase};
 }
 
-CarState obey(const CarState& car, const Command& command, const CarParameters& parameters,
-              double seconds) {
+CarState followCommand(const CarState& car, const Command& command, const CarParameters& parameters,
+                       double seconds) {
   const auto approach = [](double from, double to, double reach) {
     return from + std::clamp(to - from, -reach, reach);
   };
-  const bool brakes =
+  const bool is_braking =
       car.speed * command.speed < 0.0 || std::abs(command.speed) < std::abs(car.speed);
-  const double acceleration = brakes ? parameters.max_deceleration : parameters.max_acceleration;
+  const double acceleration =
+      is_braking ? parameters.max_deceleration : parameters.max_acceleration;
   const double steering =
       std::clamp(command.steering, -parameters.max_steering, parameters.max_steering);
   CarState next = car;
@@ -63,9 +65,9 @@ bool touches(const Pose2& base_in_map, const CarParameters& parameters, const Wo
 
 bool overlaps(const Pose2& base_in_map, const CarParameters& parameters, const World& world,
               const std::vector<Obstacle>& obstacles, double time, double clearance) {
-  // Outlines within one another, close enough that no wall of a map's cell fits between them.
-  constexpr double kBetweenOutlines = 0.04;  // m
-  for (double inset = 0.0; inset < parameters.width / 2.0 + clearance; inset += kBetweenOutlines) {
+  // Nested outlines, closer than a map cell.
+  constexpr double kOutlineSpacing = 0.04;  // m
+  for (double inset = 0.0; inset < parameters.width / 2.0 + clearance; inset += kOutlineSpacing) {
     if (touches(base_in_map, parameters, world, obstacles, time, clearance - inset)) return true;
   }
   return false;

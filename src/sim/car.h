@@ -1,16 +1,17 @@
-// The car itself: a kinematic bicycle whose base_link lies on the rear axle.
+// Kinematic bicycle model; base_link is on the rear axle.
 #pragma once
 
-#include "racecar_mcl/pose.h"
+#include "racecar_mcl/geometry/pose2.h"
 #include "sim/world.h"
 
 namespace racecar_mcl::sim {
 
-/// A 1/10 racecar.
+/// Defaults of a 1/10-scale racecar.
 struct CarParameters {
   double wheelbase = 0.325;        ///< m, rear to front axle
-  double max_steering = 0.34;      ///< rad, of the front wheels to either side
+  double max_steering = 0.34;      ///< rad, of the front wheels
   double max_steering_rate = 3.2;  ///< rad/s
+  double steering_delay = 0.0;     ///< s, from a command to its beginning
   double max_acceleration = 5.0;   ///< m/s^2
   double max_deceleration = 8.0;   ///< m/s^2
   double length_ahead = 0.42;      ///< m, base_link to the front bumper
@@ -21,7 +22,7 @@ struct CarParameters {
   void validate() const;
 };
 
-/// What a driver asks for; the car follows within its limits.
+/// Commanded speed and steering; the car follows within its limits.
 struct Command {
   double speed = 0.0;     ///< m/s, negative = backwards
   double steering = 0.0;  ///< rad, positive = left
@@ -33,8 +34,7 @@ struct CarState {
   double steering = 0.0;  ///< rad
 };
 
-/// A stretch of motion with constant twist: an arc. It knows where the car is at every moment of
-/// it.
+/// Motion with constant twist over an interval.
 struct Arc {
   double begin = 0.0;  ///< s
   double end = 0.0;    ///< s
@@ -47,18 +47,17 @@ struct Arc {
 /// wz = speed tan(steering) / wheelbase; the rear axle does not move sideways.
 Twist2 twistOf(const CarState& car, const CarParameters& parameters);
 
-/// Speed and steering brought towards the command as far as the limits allow within `seconds`; the
-/// car stays.
-CarState obey(const CarState& car, const Command& command, const CarParameters& parameters,
-              double seconds);
+/// Speed and steering after `seconds` under the car's limits; the pose is unchanged.
+CarState followCommand(const CarState& car, const Command& command, const CarParameters& parameters,
+                       double seconds);
 
-/// Whether the car's outline, widened by `clearance` m all round, meets an obstacle or anything
-/// that is not known to be free.
+/// Whether the car's outline, expanded by `clearance` m, intersects an obstacle or space that is
+/// not known to be free.
 bool touches(const Pose2& base_in_map, const CarParameters& parameters, const World& world,
              const std::vector<Obstacle>& obstacles, double time, double clearance = 0.0);
 
-/// The same, and also whether something lies wholly inside the outline: for a pose that was not
-/// driven to.
+/// As `touches`, but also detects obstacles entirely inside the outline: for poses that were not
+/// reached by driving.
 bool overlaps(const Pose2& base_in_map, const CarParameters& parameters, const World& world,
               const std::vector<Obstacle>& obstacles, double time, double clearance = 0.0);
 

@@ -1,12 +1,12 @@
-// Laps of a closed course, counted where they began.
+// Counts laps of a closed course.
 #pragma once
 
-#include "racecar_mcl/pose.h"
+#include "racecar_mcl/geometry/pose2.h"
 
 namespace racecar_mcl::sim {
 
-/// The line lies across the start pose, 3 m to either side. A lap is done when the car crosses it
-/// in the start's direction after having been 4 m away from it.
+/// The finish line crosses the start pose, 3 m to either side. A lap is complete when the car
+/// crosses it in the start direction after having been more than 4 m away.
 class LapCounter {
  public:
   explicit LapCounter(const Pose2& start_in_map) : start_in_map_(start_in_map) {}

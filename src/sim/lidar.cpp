@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <limits>
 
-#include "racecar_mcl/require.h"
+#include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl::sim {
 namespace {
 
-constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr float kNoReturn = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
@@ -104,22 +104,22 @@ void Lidar::beginSweep() {
 
 float Lidar::measureBeam(const Pose2& laser_in_map, double bearing, double time, const World& world,
                          const std::vector<Obstacle>& obstacles) {
-  // Both numbers are drawn for every beam, so that a parameter changes its own effect and no other.
+  // Both numbers are drawn for every beam, so that parameters do not affect each other's noise.
   const double noise = current_.range_noise * random_.gaussian();
   const bool missing = random_.uniform() < current_.missing_rate;
 
   const double yaw = laser_in_map.yaw + bearing;
   const Eigen::Vector2d origin(laser_in_map.x, laser_in_map.y);
   const Hit hit = world.cast(origin, yaw, current_.range_max, obstacles, time, current_.ends);
-  if (missing || !std::isfinite(hit.range)) return kNothing;
+  if (missing || !std::isfinite(hit.range)) return kNoReturn;
   if (hit.on_wall && current_.glass.share > 0.0) {
     const Eigen::Vector2d point =
         origin + hit.range * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
-    if (World::isGlass(current_.glass, point)) return kNothing;
+    if (World::isGlass(current_.glass, point)) return kNoReturn;
   }
   const double range = hit.range + noise;
-  if (range > current_.range_max) return kNothing;
-  return range < current_.range_min ? -kNothing : static_cast<float>(range);
+  if (range > current_.range_max) return kNoReturn;
+  return range < current_.range_min ? -kNoReturn : static_cast<float>(range);
 }
 
 }  // namespace racecar_mcl::sim

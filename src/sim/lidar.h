@@ -1,44 +1,43 @@
-// A scanning lidar like a Hokuyo: its beams are taken one after another while the car moves.
+// Scanning lidar; beams are measured one after another while the car moves.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "racecar_mcl/random.h"
-#include "racecar_mcl/scan.h"
+#include "racecar_mcl/common/random.h"
+#include "racecar_mcl/scan/scan.h"
 #include "sim/car.h"
-#include "sim/metronome.h"
+#include "sim/periodic_timer.h"
 #include "sim/world.h"
 
 namespace racecar_mcl::sim {
 
-/// Defaults as a Hokuyo UST-10LX.
+/// Defaults of a Hokuyo UST-10LX.
 struct LidarParameters {
   double rate = 40.0;                ///< Hz, sweeps
   int beams = 1081;                  ///< per sweep
-  double field_of_view = 1.5 * kPi;  ///< rad, first to last beam, centred ahead
-  double sweep_time = 0.01875;       ///< s, first to last beam: 3/4 of a turn at 40 Hz
-  bool instant = false;              ///< all beams at once, as no such lidar does
-  bool clockwise = false;            ///< turns so, and is listed against the time and stamped with
-                                     ///< the first of the list, as by drivers of an RPLIDAR
+  double field_of_view = 1.5 * kPi;  ///< rad, first to last beam, symmetric about the x axis
+  double sweep_time = 0.01875;       ///< s, first to last beam: 3/4 of a rotation at 40 Hz
+  bool instant = false;              ///< all beams at once
+  bool clockwise = false;            ///< beams in reverse acquisition order, stamped with the first
+                                     ///< of the list, as by RPLIDAR drivers
   double range_noise = 0.01;         ///< m, standard deviation
-  double missing_rate = 0.005;       ///< share of beams that return nothing
-  double dropout_rate = 0.0;         ///< share of sweeps that never arrive
+  double missing_rate = 0.005;       ///< fraction of beams without return
+  double dropout_rate = 0.0;         ///< fraction of lost sweeps
   double range_min = 0.06;           ///< m
   double range_max = 10.0;           ///< m
   Pose2 laser_in_base{0.27, 0.0, 0.0};
-  Ends ends = Ends::kAtWalls;  ///< of a beam
+  Ends ends = Ends::kAtWalls;  ///< what beams end at
   Glass glass;
 
   /// Throws ParameterError, naming the field.
   void validate() const;
 };
 
-/// One sweep, as sensor_msgs/LaserScan has it. +infinity: nothing came back; -infinity: too close
-/// to measure.
+/// One sweep, as in sensor_msgs/LaserScan. +infinity: no return; -infinity: too close to measure.
 struct LidarScan {
   double stamp = 0.0;    ///< s, of the first beam of the list
-  double arrival = 0.0;  ///< s, of the last beam: before that nobody can have it
+  double arrival = 0.0;  ///< s, time of the last beam
   double angle_min = 0.0;
   double angle_increment = 0.0;
   double time_increment = 0.0;
@@ -49,18 +48,18 @@ struct LidarScan {
   std::vector<float> ranges;
 };
 
-/// The sweep as the localizer takes it: beams that were too close are dropped.
+/// Converts a sweep for the localizer; drops beams that were too close.
 Scan toScan(const LidarScan& sweep);
 
 class Lidar {
  public:
   Lidar(const LidarParameters& parameters, std::uint64_t seed, double start);
 
-  /// Holds from the next sweep on.
+  /// Takes effect with the next sweep.
   void setParameters(const LidarParameters& parameters) { parameters_ = parameters; }
 
-  /// Takes the beams due in [arc.begin, arc.end), each from where the car is at that beam's
-  /// time. Returns the sweep when its last beam is among them.
+  /// Measures the beams in [arc.begin, arc.end), each from the car's pose at its time. Returns the
+  /// sweep if this includes its last beam.
   std::optional<LidarScan> measure(const Arc& arc, const World& world,
                                    const std::vector<Obstacle>& obstacles);
 
@@ -70,10 +69,10 @@ class Lidar {
                     const std::vector<Obstacle>& obstacles);
 
   LidarParameters parameters_;
-  LidarParameters current_;  ///< of the sweep under way
+  LidarParameters current_;  ///< of the current sweep
   Random random_;
-  Metronome sweeps_;
-  LidarScan sweep_;  ///< under way while `sweeping_`
+  PeriodicTimer sweeps_;
+  LidarScan sweep_;  ///< incomplete while `sweeping_`
   bool sweeping_ = false;
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "sim/placement.h"
+#include "sim/random_placement.h"
 #include "sim/wall_surfaces.h"
 
 namespace racecar_mcl::sim {
@@ -14,28 +14,28 @@ using Cells = std::vector<std::int8_t>;
 
 constexpr double kGreyWall = 60.0;
 constexpr double kGreyNoise = 5.0;
-constexpr int kGreyFree = 20;            // at most
-constexpr double kErasedShare = 0.3;     // of the walls' surface
-constexpr double kWingShare = 0.25;      // of the free cells
-constexpr double kMovedShare = 0.3;      // of the things that stand free
-constexpr double kAreaPerObject = 25.0;  // m^2 of free space, of a map with enough things to move
-constexpr double kSmallestObject = 0.1;  // m across; anything smaller is noise
-constexpr double kLargestObject = 1.5;   // m across
-constexpr double kMostOff = 0.05;        // m
-constexpr double kMostTurn = 0.5 * kPi / 180.0;  // rad
-constexpr double kWallPerDoor = 15.0;            // m
-constexpr int kFewestDoors = 4;
-constexpr double kDoorGap = 0.9;     // m, in a wall
-constexpr double kNarrowest = 0.6;   // m, of an opening
-constexpr double kWidest = 1.4;      // m
-constexpr double kDoorsApart = 1.5;  // m
+constexpr int kMaxGreyFree = 20;
+constexpr double kErasedWallFraction = 0.3;         // of the wall surface
+constexpr double kErasedWingFraction = 0.25;        // of the free cells
+constexpr double kMovedObjectFraction = 0.3;        // of the isolated objects
+constexpr double kAreaPerObject = 25.0;             // m^2 of free space
+constexpr double kMinObjectSize = 0.1;              // m; smaller components are noise
+constexpr double kMaxObjectSize = 1.5;              // m
+constexpr double kMaxDisplacement = 0.05;           // m
+constexpr double kMaxRotation = 0.5 * kPi / 180.0;  // rad
+constexpr double kWallPerDoor = 15.0;               // m
+constexpr int kMinDoors = 4;
+constexpr double kDoorGap = 0.9;         // m, in a wall
+constexpr double kMinOpening = 0.6;      // m, of an opening
+constexpr double kMaxOpening = 1.4;      // m
+constexpr double kMinDoorSpacing = 1.5;  // m
 constexpr int kAttempts = 20000;
 
 OccupancyGrid replaced(const OccupancyGrid& map, Cells cells) {
   return OccupancyGrid(map.geometry(), std::move(cells));
 }
 
-/// Things that stand free, each as its cells.
+/// The cells of each isolated object.
 std::vector<std::vector<Cell>> findObjects(const OccupancyGrid& map) {
   const GridGeometry& geometry = map.geometry();
   const CellIndex index(geometry);
@@ -45,7 +45,7 @@ std::vector<std::vector<Cell>> findObjects(const OccupancyGrid& map) {
     if (seen[first] != 0 || !isOccupied(map.cells()[first])) continue;
     std::vector<Cell> piece{index.cell(first)};
     seen[first] = 1;
-    bool stands_free = true;
+    bool is_isolated = true;
     Cell low = piece[0], high = piece[0];
     for (std::size_t k = 0; k < piece.size(); ++k) {
       const Cell here = piece[k];
@@ -53,7 +53,7 @@ std::vector<std::vector<Cell>> findObjects(const OccupancyGrid& map) {
       high = {std::max(high.column, here.column), std::max(high.row, here.row)};
       for (const Cell& next : neighbours(here)) {
         const std::int8_t value = map.at(next);
-        stands_free &= value >= 0;
+        is_isolated &= value >= 0;
         if (!isOccupied(value) || seen[index(next)] != 0) continue;
         seen[index(next)] = 1;
         piece.push_back(next);
@@ -61,8 +61,8 @@ std::vector<std::vector<Cell>> findObjects(const OccupancyGrid& map) {
     }
     const double across =
         std::hypot(high.column - low.column + 1, high.row - low.row + 1) * geometry.resolution;
-    const bool is_thing = across >= kSmallestObject && across <= kLargestObject;
-    if (stands_free && is_thing) objects.push_back(std::move(piece));
+    const bool is_object = across >= kMinObjectSize && across <= kMaxObjectSize;
+    if (is_isolated && is_object) objects.push_back(std::move(piece));
   }
   return objects;
 }
@@ -73,17 +73,16 @@ void shuffle(std::vector<std::vector<Cell>>* objects, Random& random) {
   }
 }
 
-/// The object's cells, moved by 0.3 to 1 m to where all cells round it are free but for its own;
-/// empty where there was no such place.
+/// The object's cells, moved by 0.3 to 1 m into free space; empty if there is none.
 std::vector<Cell> moved(const std::vector<Cell>& object, const OccupancyGrid& map, Random& random) {
   const auto isOwn = [&](const Cell& cell) {
     return std::find(object.begin(), object.end(), cell) != object.end();
   };
   for (int attempt = 0; attempt < 100; ++attempt) {
-    const double way = random.uniform(0.3, 1.0) / map.geometry().resolution;
+    const double distance = random.uniform(0.3, 1.0) / map.geometry().resolution;
     const double yaw = random.uniform(-kPi, kPi);
-    const auto columns = static_cast<int>(std::lround(way * std::cos(yaw)));
-    const auto rows = static_cast<int>(std::lround(way * std::sin(yaw)));
+    const auto columns = static_cast<int>(std::lround(distance * std::cos(yaw)));
+    const auto rows = static_cast<int>(std::lround(distance * std::sin(yaw)));
     std::vector<Cell> there;
     bool fits = true;
     for (const Cell& cell : object) {
@@ -98,18 +97,18 @@ std::vector<Cell> moved(const std::vector<Cell>& object, const OccupancyGrid& ma
 
 /// An opening between two walls.
 struct Opening {
-  Eigen::Vector2d middle;  ///< in the map frame, like all of it
-  Eigen::Vector2d half;    ///< from there to the wall on one side
+  Eigen::Vector2d middle;  ///< in the map frame
+  Eigen::Vector2d half;    ///< from the middle to the wall on one side
 };
 
-/// The narrowest way between walls through a point, if that is an opening: wide enough for a door,
-/// deeper than a corner to both sides, and wider beyond it to one.
+/// The narrowest passage between walls through a point, if it is an opening: as wide as a door,
+/// deeper than a corner on both sides, and wider beyond on one side.
 std::optional<Opening> openingAt(const World& map, const Eigen::Vector2d& point) {
-  constexpr double kDepth = 0.6;  // of its width; a right-angled corner is half as deep as wide
+  constexpr double kDepth = 0.6;  // relative to its width; a right-angled corner has 0.5
   const auto wayTo = [&](const Eigen::Vector2d& from, double yaw) {
-    return map.castWalls(from, yaw, 2.0 * kWidest, Ends::kWhereNotFree);
+    return map.castWalls(from, yaw, 2.0 * kMaxOpening, Ends::kWhereNotFree);
   };
-  double narrowest = kWidest;
+  double narrowest = kMaxOpening;
   double across = 0.0;  // rad
   double left = 0.0, right = 0.0;
   for (int i = 0; i < 36; ++i) {
@@ -122,9 +121,9 @@ std::optional<Opening> openingAt(const World& map, const Eigen::Vector2d& point)
     left = one;
     right = other;
   }
-  if (narrowest >= kWidest || narrowest < kNarrowest) return std::nullopt;
+  if (narrowest >= kMaxOpening || narrowest < kMinOpening) return std::nullopt;
   const auto endsAtWall = [&](double yaw, double way) {
-    return map.castWalls(point, yaw, 2.0 * kWidest) <= way;
+    return map.castWalls(point, yaw, 2.0 * kMaxOpening) <= way;
   };
   if (!endsAtWall(across, left) || !endsAtWall(across + kPi, right)) return std::nullopt;
   const Eigen::Vector2d direction(std::cos(across), std::sin(across));
@@ -140,7 +139,7 @@ std::optional<Opening> openingAt(const World& map, const Eigen::Vector2d& point)
   return Opening{middle, narrowest / 2.0 * direction};
 }
 
-/// The map without what stands free in it: the way between that and a wall is no opening.
+/// The map without isolated objects: the passage between an object and a wall is not an opening.
 OccupancyGrid wallsOnly(const OccupancyGrid& map) {
   const CellIndex index(map.geometry());
   Cells cells = map.cells();
@@ -150,7 +149,7 @@ OccupancyGrid wallsOnly(const OccupancyGrid& map) {
   return replaced(map, std::move(cells));
 }
 
-/// Closes up to `count` openings, each a good way from the others; returns how many.
+/// Closes up to `count` openings with a minimum spacing; returns their number.
 int closeOpenings(const OccupancyGrid& map, int count, Random& random, Cells* cells) {
   const World world(wallsOnly(map));
   const CellIndex index(map.geometry());
@@ -159,7 +158,7 @@ int closeOpenings(const OccupancyGrid& map, int count, Random& random, Cells* ce
     const auto opening = openingAt(world, world.randomFreePoint(random));
     if (!opening) continue;
     const bool apart = std::all_of(doors.begin(), doors.end(), [&](const Eigen::Vector2d& door) {
-      return (door - opening->middle).norm() > kDoorsApart;
+      return (door - opening->middle).norm() > kMinDoorSpacing;
     });
     if (!apart) continue;
     doors.push_back(opening->middle);
@@ -185,17 +184,17 @@ OccupancyGrid greyCells(const OccupancyGrid& map, Random& random) {
   for (std::int8_t& cell : cells) {
     if (cell < 0) continue;
     const double grey = isOccupied(cell) ? kGreyWall + kGreyNoise * random.gaussian()
-                                         : static_cast<double>(random.index(kGreyFree + 1));
+                                         : static_cast<double>(random.index(kMaxGreyFree + 1));
     cell = static_cast<std::int8_t>(std::clamp(std::lround(grey), 0L, 100L));
   }
   return replaced(map, std::move(cells));
 }
 
-OccupancyGrid eraseWalls(const OccupancyGrid& map, double share, Random& random) {
+OccupancyGrid eraseWalls(const OccupancyGrid& map, double fraction, Random& random) {
   WallSurfaces walls(map);
   const std::size_t all = walls.surface().size();
   while (walls.surfaceLeft() > 0 &&
-         static_cast<double>(walls.surfaceLeft()) > (1.0 - share) * static_cast<double>(all)) {
+         static_cast<double>(walls.surfaceLeft()) > (1.0 - fraction) * static_cast<double>(all)) {
     const std::size_t centre = walls.surface()[random.index(all)];
     if (walls.isErased(centre)) continue;
     walls.erase(centre, random.uniform(1.0, 3.0));
@@ -203,7 +202,7 @@ OccupancyGrid eraseWalls(const OccupancyGrid& map, double share, Random& random)
   return replaced(map, walls.cells());
 }
 
-OccupancyGrid eraseWing(const OccupancyGrid& map, double share, Random& random) {
+OccupancyGrid eraseWing(const OccupancyGrid& map, double fraction, Random& random) {
   const double yaw = random.uniform(-kPi, kPi);
   const auto along = [&](const Cell& cell) {
     return cell.column * std::cos(yaw) + cell.row * std::sin(yaw);
@@ -212,7 +211,7 @@ OccupancyGrid eraseWing(const OccupancyGrid& map, double share, Random& random) 
   for (const Cell& cell : freeCells(map)) places.push_back(along(cell));
   if (places.empty()) return map;
   std::sort(places.begin(), places.end());
-  const auto kept = static_cast<std::size_t>((1.0 - share) * static_cast<double>(places.size()));
+  const auto kept = static_cast<std::size_t>((1.0 - fraction) * static_cast<double>(places.size()));
   const double line = places[std::min(kept, places.size() - 1)];
   const CellIndex index(map.geometry());
   Cells cells = map.cells();
@@ -224,12 +223,12 @@ OccupancyGrid eraseWing(const OccupancyGrid& map, double share, Random& random) 
 
 int countObjects(const OccupancyGrid& map) { return static_cast<int>(findObjects(map).size()); }
 
-OccupancyGrid moveObjects(const OccupancyGrid& map, double share, Random& random) {
+OccupancyGrid moveObjects(const OccupancyGrid& map, double fraction, Random& random) {
   std::vector<std::vector<Cell>> objects = findObjects(map);
   shuffle(&objects, random);
   const CellIndex index(map.geometry());
   OccupancyGrid changed = map;
-  auto to_move = static_cast<int>(std::ceil(share * static_cast<double>(objects.size()) - 1e-9));
+  auto to_move = static_cast<int>(std::ceil(fraction * static_cast<double>(objects.size()) - 1e-9));
   for (const std::vector<Cell>& object : objects) {
     if (to_move == 0) break;
     const std::vector<Cell> there = moved(object, changed, random);
@@ -248,11 +247,11 @@ OccupancyGrid changeDoors(const OccupancyGrid& map, Random& random) {
   const std::size_t all = walls.surface().size();
   if (all == 0) return map;
   const double length = static_cast<double>(all) * map.geometry().resolution;
-  const int doors = std::max(kFewestDoors, static_cast<int>(length / kWallPerDoor));
+  const int doors = std::max(kMinDoors, static_cast<int>(length / kWallPerDoor));
   Cells closed = map.cells();
   const int to_open = doors - closeOpenings(map, doors / 2, random, &closed);
   for (int i = 0; i < to_open; ++i) walls.erase(walls.surface()[random.index(all)], kDoorGap);
-  // What is closed stays closed where a wall beside it is opened.
+  // Closed openings stay closed if a wall next to them is erased.
   Cells cells = walls.cells();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (closed[i] != map.cells()[i]) cells[i] = closed[i];
@@ -260,12 +259,12 @@ OccupancyGrid changeDoors(const OccupancyGrid& map, Random& random) {
   return replaced(map, std::move(cells));
 }
 
-OccupancyGrid distort(const OccupancyGrid& map, double most, double most_turn, Random& random) {
-  // The displacement is u_i = a sin(k d_i . p + phase_i), i = x, y. It is a sqrt(2) long at most,
-  // and a line along the unit vector e with the normal n turns by sum n_i (k a cos(...) d_i . e),
-  // at most sqrt(2) k a.
-  const double amplitude = most / std::sqrt(2.0);                    // m
-  const double wave = most_turn / most * map.geometry().resolution;  // rad per cell
+OccupancyGrid distort(const OccupancyGrid& map, double max_displacement, double max_rotation,
+                      Random& random) {
+  // Displacement u_i = a sin(k d_i . p + phase_i), i = x, y, with |u| <= sqrt(2) a. A line along
+  // the unit vector e with normal n rotates by sum n_i (k a cos(...) d_i . e) <= sqrt(2) k a.
+  const double amplitude = max_displacement / std::sqrt(2.0);                       // m
+  const double wave = max_rotation / max_displacement * map.geometry().resolution;  // rad per cell
   Eigen::Vector2d directions[2];
   double phases[2];
   for (int i = 0; i < 2; ++i) {
@@ -287,7 +286,7 @@ OccupancyGrid distort(const OccupancyGrid& map, double most, double most_turn, R
     const Cell by = displacement(here);
     cells[i] = map.at({here.column - by.column, here.row - by.row});
   }
-  // Where the map shrinks, some cells are nobody's source: a wall of one cell is not to be lost so.
+  // Where the map shrinks, some cells have no target. Forward mapping keeps walls one cell thick.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!isOccupied(map.cells()[i])) continue;
     const Cell from = index.cell(i);
@@ -337,19 +336,19 @@ WrongMap makeWrongMap(MapFault fault, const OccupancyGrid& map, const World& wor
     case MapFault::kGrey:
       return {greyCells(map, random), {}};
     case MapFault::kErasedWalls:
-      return {eraseWalls(map, kErasedShare, random), {}};
+      return {eraseWalls(map, kErasedWallFraction, random), {}};
     case MapFault::kErasedWing:
-      return {eraseWing(map, kWingShare, random), {}};
+      return {eraseWing(map, kErasedWingFraction, random), {}};
     case MapFault::kMovedObjects: {
       const auto enough = static_cast<int>(world.freeArea() / kAreaPerObject);
       const int lacking = std::max(0, enough - countObjects(map));
-      std::vector<Obstacle> boxes = standBoxes(world, lacking, keep_clear, random);
-      return {moveObjects(withObstacles(map, boxes, 0.0), kMovedShare, random), boxes};
+      std::vector<Obstacle> boxes = placeBoxes(world, lacking, keep_clear, random);
+      return {moveObjects(withObstacles(map, boxes, 0.0), kMovedObjectFraction, random), boxes};
     }
     case MapFault::kDoors:
       return {changeDoors(map, random), {}};
     case MapFault::kDistorted:
-      return {distort(map, kMostOff, kMostTurn, random), {}};
+      return {distort(map, kMaxDisplacement, kMaxRotation, random), {}};
   }
   return {map, {}};
 }

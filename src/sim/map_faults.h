@@ -1,49 +1,49 @@
-// Maps that are wrong in the ways in which maps are. The localizer gets them; the world stays as it
-// is.
+// Typical map errors, for the map of the localizer; the simulated world is unchanged.
 #pragma once
 
 #include <map>
 #include <string>
 #include <vector>
 
-#include "racecar_mcl/occupancy_grid.h"
-#include "racecar_mcl/random.h"
+#include "racecar_mcl/common/random.h"
+#include "racecar_mcl/map/occupancy_grid.h"
 #include "sim/obstacle.h"
 #include "sim/world.h"
 
 namespace racecar_mcl::sim {
 
-/// Every unknown cell occupied, as in maps of race tracks that are drawn solid.
+/// All unknown cells become occupied, as in solid drawings of race tracks.
 OccupancyGrid fillUnknown(const OccupancyGrid& map);
 
-/// Walls at 60 of 100, with a noise of 5, and free cells evenly from 0 to 20, as in maps that are
-/// not trinary.
+/// Walls at 60 of 100 with a standard deviation of 5, free cells uniform from 0 to 20, as in maps
+/// that are not trinary.
 OccupancyGrid greyCells(const OccupancyGrid& map, Random& random);
 
-/// `share` of the walls' surface, counted in cells that border on free ones, taken away in
-/// stretches of 1 to 3 m, with the wall behind it. There, the map holds what lies behind: unknown
-/// cells, or free ones where both sides are free. A wall more than 1 m thick loses 1 m.
-OccupancyGrid eraseWalls(const OccupancyGrid& map, double share, Random& random);
+/// Erases `fraction` of the wall surface (cells next to free ones) in segments of 1 to 3 m,
+/// including the wall behind it. The cells become free if both sides are free, else unknown. Walls
+/// thicker than 1 m lose 1 m.
+OccupancyGrid eraseWalls(const OccupancyGrid& map, double fraction, Random& random);
 
-/// Everything on one side of a line becomes unknown, with `share` of the free cells.
-OccupancyGrid eraseWing(const OccupancyGrid& map, double share, Random& random);
+/// The cells on one side of a line, with `fraction` of the free cells, become unknown.
+OccupancyGrid eraseWing(const OccupancyGrid& map, double fraction, Random& random);
 
-/// `share` of the things that stand free (see `countObjects`), at least one, moved by 0.3 to 1 m to
-/// where there is room for them. Things without room stay.
-OccupancyGrid moveObjects(const OccupancyGrid& map, double share, Random& random);
+/// Moves `fraction` of the isolated objects (see `countObjects`), at least one, by 0.3 to 1 m into
+/// free space, if there is any.
+OccupancyGrid moveObjects(const OccupancyGrid& map, double fraction, Random& random);
 
-/// How many occupied pieces 0.1 to 1.5 m across have free cells all round.
+/// The number of occupied components of 0.1 to 1.5 m that are surrounded by free cells.
 int countObjects(const OccupancyGrid& map);
 
-/// One change for each 15 m of walls, at least four: for up to half of them, openings 0.6 to 1.4 m
-/// wide are closed, as far as there are any; for the rest, gaps of 0.9 m are made in walls.
+/// One change per 15 m of walls, at least four: up to half of them close openings of 0.6 to 1.4 m,
+/// the others make gaps of 0.9 m in walls.
 OccupancyGrid changeDoors(const OccupancyGrid& map, Random& random);
 
-/// Stretched and bent smoothly: no place is more than `most` m off, and no line turned by more than
-/// `most_turn` rad, before all that is rounded to cells.
-OccupancyGrid distort(const OccupancyGrid& map, double most, double most_turn, Random& random);
+/// Smooth distortion with displacements up to `max_displacement` m and rotations up to
+/// `max_rotation` rad, before rounding to cells.
+OccupancyGrid distort(const OccupancyGrid& map, double max_displacement, double max_rotation,
+                      Random& random);
 
-/// The map with these obstacles drawn where they stand at `time` (s).
+/// The map with these obstacles at `time` (s).
 OccupancyGrid withObstacles(const OccupancyGrid& map, const std::vector<Obstacle>& obstacles,
                             double time);
 
@@ -58,19 +58,18 @@ enum class MapFault {
   kDistorted
 };
 
-/// By the names that programs know them by.
+/// Names of the faults on command lines.
 const std::map<std::string, MapFault>& mapFaults();
 
-/// What a localizer is given, and what stands in the world besides.
+/// The localizer's map, and obstacles to add to the world.
 struct WrongMap {
   OccupancyGrid map;
   std::vector<Obstacle> boxes;
 };
 
-/// The fault as strong as it is by default: 30 % of the walls or of the things, a quarter of the
-/// free cells, 5 cm and half a degree. Only for `kMovedObjects` do boxes stand in the world: those
-/// that the map lacks to one thing for each 25 m^2 of free space, as far as there is room for them.
-/// The right map would show them; in the wrong one some are moved, as the rest. They stand clear of
+/// Default magnitudes: 30 % of walls or objects, 25 % of the free cells, 5 cm and 0.5 degrees. For
+/// `kMovedObjects`, boxes are added to the world and to the map, if there is room, until there is
+/// one object per 25 m^2 of free space; then objects are moved in the map only. Boxes keep clear of
 /// `keep_clear`.
 WrongMap makeWrongMap(MapFault fault, const OccupancyGrid& map, const World& world,
                       const Pose2& keep_clear, Random& random);

@@ -6,7 +6,7 @@
 namespace racecar_mcl::sim {
 namespace {
 
-/// With `negate`, so that the image looks as maps do: 255 - value.
+/// 255 - value, for `negate: 1`, so that free cells are white.
 char pixelOf(std::int8_t value) {
   const int pixel = value < 0 ? 0 : 255 - value;
   return static_cast<char>(static_cast<unsigned char>(pixel));

@@ -1,16 +1,16 @@
-// A map as files that map_server and `loadMap` read back as it was.
+// Lossless map files for map_server and `loadMap`.
 #pragma once
 
 #include <string>
 
-#include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/map/occupancy_grid.h"
 
 namespace racecar_mcl::sim {
 
-/// The image, a binary PGM: free cells white, occupied ones grey, unknown ones black.
+/// Binary PGM: free cells white, occupied grey, unknown black.
 std::string toPgm(const OccupancyGrid& map);
 
-/// The YAML beside it. Mode `raw`, which alone keeps every value and the unknown cells.
+/// The YAML file, in mode `raw`, the only one that keeps all values and unknown cells.
 std::string toMapYaml(const OccupancyGrid& map, const std::string& image_name);
 
 }  // namespace racecar_mcl::sim

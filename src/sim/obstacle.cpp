@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "racecar_mcl/require.h"
+#include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl::sim {
 namespace {
@@ -64,7 +64,7 @@ Pose2 poseAt(const Obstacle& obstacle, double time) {
   for (std::size_t i = 1; i < path.size(); ++i) total += (path[i] - path[i - 1]).norm();
   if (total == 0.0) return {path.front().x(), path.front().y(), obstacle.in_map.yaw};
 
-  // Out and back is a period of 2 total; the second half runs backwards.
+  // One period is 2 total; the second half runs backwards.
   double along = std::fmod(obstacle.speed * std::max(time - obstacle.start_time, 0.0), 2.0 * total);
   const bool back = along > total;
   if (back) along = 2.0 * total - along;
@@ -86,15 +86,15 @@ double castObstacle(const Obstacle& obstacle, const Pose2& obstacle_in_map,
                     const Eigen::Vector2d& origin, const Eigen::Vector2d& direction) {
   const Eigen::Vector2d start = origin - Eigen::Vector2d(obstacle_in_map.x, obstacle_in_map.y);
   if (obstacle.shape == Obstacle::Shape::kDisc) return castDisc(obstacle.radius, start, direction);
-  // Most rays miss the circle round the box: those need no turning into the box's frame.
+  // Most rays miss the circumscribed circle: early exit before rotating into the box frame.
   const double reach = std::hypot(obstacle.length, obstacle.width) / 2.0;
   if (std::abs(start.x() * direction.y() - start.y() * direction.x()) > reach) return kInfinity;
   const double c = std::cos(obstacle_in_map.yaw);
   const double s = std::sin(obstacle_in_map.yaw);
-  const auto turned = [&](const Eigen::Vector2d& v) {
+  const auto toBoxFrame = [&](const Eigen::Vector2d& v) {
     return Eigen::Vector2d(c * v.x() + s * v.y(), c * v.y() - s * v.x());
   };
-  return castBox(obstacle.length, obstacle.width, turned(start), turned(direction));
+  return castBox(obstacle.length, obstacle.width, toBoxFrame(start), toBoxFrame(direction));
 }
 
 }  // namespace racecar_mcl::sim

@@ -1,14 +1,14 @@
-// Things in the world that no map knows: boxes and discs, standing or walking about.
+// Unmapped obstacles: static or moving boxes and discs.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "racecar_mcl/pose.h"
+#include "racecar_mcl/geometry/pose2.h"
 
 namespace racecar_mcl::sim {
 
-/// A disc (a person, a column) or a box (a crate, another car).
+/// A disc (such as a person) or a box (such as another car).
 struct Obstacle {
   enum class Shape { kDisc, kBox };
 
@@ -16,26 +16,25 @@ struct Obstacle {
   double radius = 0.15;  ///< m, of a disc
   double length = 0.40;  ///< m, of a box along its x axis
   double width = 0.40;   ///< m, of a box along its y axis
-  Pose2 in_map;          ///< where it stands, while `path` is empty
+  Pose2 in_map;          ///< pose while `path` is empty
 
-  /// Points of the map walked from first to last and back again, without end, at `speed` from
-  /// `path.front()` on; a box looks where it goes. One point is a place to stand.
+  /// Map points between which the obstacle moves back and forth at `speed`, starting at
+  /// `path.front()`; boxes face the direction of motion. A single point is a fixed position.
   std::vector<Eigen::Vector2d> path;
   double speed = 0.0;       ///< m/s
-  double start_time = 0.0;  ///< s, when it sets off from `path.front()`
+  double start_time = 0.0;  ///< s, departure from `path.front()`
 
-  bool keeps_clear = false;  ///< of the car, by itself: whoever drives that does not look at it
+  bool keeps_clear = false;  ///< avoids the car itself; ignored by the car's driver
 
-  /// Throws ParameterError, naming the field, on a size that is not positive or a number that is
-  /// not finite.
+  /// Throws ParameterError, naming the field, if a size is not positive or a number is not finite.
   void validate() const;
 };
 
-/// Where an obstacle is at `time` (s).
+/// Pose at `time` (s).
 Pose2 poseAt(const Obstacle& obstacle, double time);
 
-/// Distance from `origin` in the unit `direction` to the obstacle standing at `obstacle_in_map`: 0
-/// from inside it, +infinity where the ray misses it.
+/// Distance from `origin` along the unit vector `direction` to the obstacle at `obstacle_in_map`: 0
+/// inside it, +infinity if the ray misses it.
 double castObstacle(const Obstacle& obstacle, const Pose2& obstacle_in_map,
                     const Eigen::Vector2d& origin, const Eigen::Vector2d& direction);
 

@@ -1,6 +1,6 @@
 #include "sim/odometry.h"
 
-#include "racecar_mcl/require.h"
+#include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl::sim {
 
@@ -11,14 +11,15 @@ void OdometryParameters::validate() const {
   requireNotNegative("odometry noise wz", noise.wz, "rad/s");
   require(std::isfinite(speed_scale_error) && speed_scale_error > -1.0, "speed_scale_error",
           speed_scale_error, "above -1 and finite");
-  require(std::isfinite(turn_scale_error) && turn_scale_error > -1.0, "turn_scale_error",
-          turn_scale_error, "above -1 and finite");
+  require(std::isfinite(rotation_scale_error) && rotation_scale_error > -1.0,
+          "rotation_scale_error", rotation_scale_error, "above -1 and finite");
   requireFinite("speed_bias", speed_bias, "m/s");
   requireFinite("turn_bias", turn_bias, "rad/s");
   requireShare("slip", slip);
   requireNotNegative("slip_rate", slip_rate, "1/s");
   requirePositive("slip_duration", slip_duration, "s");
   requireShare("odometry dropout_rate", dropout_rate);
+  requireWithin("odometry turn_delay", turn_delay, 0.0, 1.0);
 }
 
 WheelOdometry::WheelOdometry(const OdometryParameters& parameters, std::uint64_t seed, double start)
@@ -28,7 +29,12 @@ WheelOdometry::WheelOdometry(const OdometryParameters& parameters, std::uint64_t
       messages_(parameters.rate, start),
       slip_until_(start) {}
 
-std::optional<OdometrySample> WheelOdometry::measure(const Arc& arc) {
+std::optional<OdometrySample> WheelOdometry::measure(const Arc& arc, double commanded_turn_rate) {
+  turn_rates_.push_back(
+      {arc.begin, parameters_.turn_from_command ? commanded_turn_rate : arc.twist.wz});
+  while (turn_rates_.size() > 1 && turn_rates_[1].begin <= arc.begin - parameters_.turn_delay) {
+    turn_rates_.pop_front();
+  }
   if (messages_.next() >= arc.end) return std::nullopt;
   OdometrySample sample;
   sample.stamp = messages_.next();
@@ -37,13 +43,12 @@ std::optional<OdometrySample> WheelOdometry::measure(const Arc& arc) {
 
   const double slip = nextSlipFactor(sample.stamp);
   const OdometryParameters& p = parameters_;
-  // All numbers are drawn for every message, so that a parameter changes its own effect and no
-  // other.
+  // All numbers are drawn for every message, so that parameters do not affect each other's noise.
   sample.twist.vx = slip * (1.0 + p.speed_scale_error) * arc.twist.vx + p.speed_bias +
                     p.noise.vx * random_.gaussian();
   sample.twist.vy = arc.twist.vy + p.noise.vy * random_.gaussian();
-  sample.twist.wz = slip * (1.0 + p.turn_scale_error) * arc.twist.wz + p.turn_bias +
-                    p.noise.wz * random_.gaussian();
+  sample.twist.wz = slip * (1.0 + p.rotation_scale_error) * turn_rates_.front().value +
+                    p.turn_bias + p.noise.wz * random_.gaussian();
   const bool lost = random_.uniform() < p.dropout_rate;
 
   if (last_) {

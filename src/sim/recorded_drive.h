@@ -1,4 +1,4 @@
-// A whole drive at once, for those who measure the localizer on it.
+// Simulates a whole drive, for tests and benchmarks.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace racecar_mcl::sim {
 
-/// Everything that arrives while the car follows a wall for `seconds` from `start_in_map`, oldest
-/// first. Throws ParameterError.
+/// The events of a wall-following drive of `seconds` from `start_in_map`, oldest first. Throws
+/// ParameterError.
 std::vector<Event> recordDrive(const std::shared_ptr<const World>& world,
                                const SimulatorParameters& simulator,
-                               const WallFollowerParameters& driver, const Pose2& start_in_map,
+                               const WallFollowerParameters& follower, const Pose2& start_in_map,
                                double seconds, std::uint64_t seed);
 
 }  // namespace racecar_mcl::sim

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <iterator>
 
-#include "racecar_mcl/require.h"
+#include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl::sim {
 namespace {
 
 constexpr double kTicksPerSecond = 1000.0;
-constexpr double kLeavingClearance = 0.01;  // m
+constexpr double kLeavingClearance = 0.01;            // m
+constexpr std::uint64_t kGyroStream = 0x6779726fULL;  // of random numbers, apart from the others
 
 const SimulatorParameters& validated(const SimulatorParameters& parameters) {
   parameters.validate();
@@ -22,6 +23,7 @@ void SimulatorParameters::validate() const {
   car.validate();
   lidar.validate();
   odometry.validate();
+  gyro.validate();
   requirePositiveUpTo("truth_rate", truth_rate, 1000.0, "Hz");
 }
 
@@ -31,6 +33,7 @@ Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorParamete
       parameters_(validated(parameters)),
       lidar_(parameters.lidar, Random(seed)(), start_time),
       odometry_(parameters.odometry, Random(~seed)(), start_time),
+      gyro_(parameters.gyro, Random(seed ^ kGyroStream)(), start_time),
       truths_(parameters.truth_rate, start_time),
       start_time_(start_time) {
   place(base_in_map);
@@ -42,7 +45,7 @@ std::vector<Event> Simulator::advance(double seconds, const Command& command) {
   requireFinite("commanded steering", command.steering, "rad");
   std::vector<Event> events;
   pending_ += seconds;
-  // Half a nanosecond of slack: ten steps of 0.1 s are a second.
+  // A tolerance of 0.5 ns, so that ten steps of 0.1 s are 1 s.
   const auto steps = static_cast<long>(std::floor((pending_ + 5e-10) * kTicksPerSecond));
   pending_ -= static_cast<double>(steps) / kTicksPerSecond;
   for (long i = 0; i < steps; ++i) step(command, events);
@@ -61,7 +64,13 @@ void Simulator::step(const Command& command, std::vector<Event>& events) {
     truths_.setRate(parameters_.truth_rate);
     truths_.advance();
   }
-  if (const auto sample = odometry_.measure(arc)) events.push_back({sample->stamp, *sample});
+  CarState commanded = car_;
+  commanded.steering =
+      std::clamp(command.steering, -parameters_.car.max_steering, parameters_.car.max_steering);
+  if (const auto sample = odometry_.measure(arc, twistOf(commanded, parameters_.car).wz)) {
+    events.push_back({sample->stamp, *sample});
+  }
+  if (const auto sample = gyro_.measure(arc)) events.push_back({sample->stamp, *sample});
   if (auto sweep = lidar_.measure(arc, *world_, obstacles_)) {
     const double arrival = sweep->arrival;
     events.push_back({arrival, std::move(*sweep)});
@@ -71,18 +80,23 @@ void Simulator::step(const Command& command, std::vector<Event>& events) {
 }
 
 Arc Simulator::move(const Command& command, double begin, double end) {
-  car_ = obey(car_, command, parameters_.car, end - begin);
+  steering_.push_back(command.steering);
+  while (static_cast<double>(steering_.size() - 1) >
+         parameters_.car.steering_delay * kTicksPerSecond) {
+    steering_.pop_front();
+  }
+  car_ = followCommand(car_, {command.speed, steering_.front()}, parameters_.car, end - begin);
   Arc arc{begin, end, car_.base_in_map, twistOf(car_, parameters_.car)};
   const Pose2 there = arc.at(end);
   const bool blocked = touches(there, parameters_.car, *world_, obstacles_, end);
-  // Standing inside something (placed there, or run into by it), the car may still drive out; one
-  // that an obstacle has run into gets into no wall meanwhile.
+  // A car that already overlaps an obstacle (placed there, or hit by it) may drive out of it, but
+  // not into a wall.
   const auto enters = [&](const std::vector<Obstacle>& obstacles) {
     return touches(there, parameters_.car, *world_, obstacles, end) &&
            !touches(arc.base_in_map, parameters_.car, *world_, obstacles, begin);
   };
   if (blocked && !collided_) ++collisions_;
-  // Pushing on against a wall is one collision, not many: it ends when the car has left the wall.
+  // A collision ends when the car has left the wall.
   collided_ = blocked || (collided_ && touches(there, parameters_.car, *world_, obstacles_, end,
                                                kLeavingClearance));
   if (blocked && (enters(obstacles_) || enters({}))) {
@@ -99,6 +113,7 @@ void Simulator::setParameters(const SimulatorParameters& parameters) {
   parameters_ = parameters;
   lidar_.setParameters(parameters.lidar);
   odometry_.setParameters(parameters.odometry);
+  gyro_.setParameters(parameters.gyro);
 }
 
 void Simulator::setObstacles(std::vector<Obstacle> obstacles) {
@@ -115,18 +130,18 @@ void Simulator::place(const Pose2& base_in_map) {
 }
 
 LidarScan Simulator::look() const {
-  LidarParameters faultless;
-  faultless.instant = true;
-  faultless.beams = 541;
-  faultless.range_noise = 0.0;
-  faultless.missing_rate = 0.0;
-  faultless.ends = Ends::kWhereNotFree;
-  faultless.laser_in_base = parameters_.lidar.laser_in_base;
+  LidarParameters ideal;
+  ideal.instant = true;
+  ideal.beams = 541;
+  ideal.range_noise = 0.0;
+  ideal.missing_rate = 0.0;
+  ideal.ends = Ends::kWhereNotFree;
+  ideal.laser_in_base = parameters_.lidar.laser_in_base;
   const Arc here{time(), time() + 1.0 / kTicksPerSecond, car_.base_in_map, {}};
-  std::vector<Obstacle> looked_at;
-  std::copy_if(obstacles_.begin(), obstacles_.end(), std::back_inserter(looked_at),
+  std::vector<Obstacle> visible;
+  std::copy_if(obstacles_.begin(), obstacles_.end(), std::back_inserter(visible),
                [](const Obstacle& obstacle) { return !obstacle.keeps_clear; });
-  return Lidar(faultless, 0, here.begin).measure(here, *world_, looked_at).value();
+  return Lidar(ideal, 0, here.begin).measure(here, *world_, visible).value();
 }
 
 double Simulator::time() const {

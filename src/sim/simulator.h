@@ -1,12 +1,13 @@
-// The simulated car in its world: commands in, sensor events out, in the order in which they would
-// arrive.
+// Simulator of a car in its world: turns commands into sensor events in order of arrival.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <variant>
 #include <vector>
 
 #include "sim/car.h"
+#include "sim/gyro.h"
 #include "sim/lidar.h"
 #include "sim/odometry.h"
 #include "sim/world.h"
@@ -17,63 +18,62 @@ struct SimulatorParameters {
   CarParameters car;
   LidarParameters lidar;
   OdometryParameters odometry;
+  GyroParameters gyro;
   double truth_rate = 100.0;  ///< Hz
 
   /// Throws ParameterError, naming the field.
   void validate() const;
 };
 
-/// Where the car truly is.
+/// The true state of the car.
 struct Truth {
   double stamp = 0.0;  ///< s
   Pose2 base_in_map;
   Twist2 twist;
 };
 
-/// Something that reaches the computer on the car at `arrival` (s). A sweep arrives with its last
+/// A measurement that arrives at the car's computer at `arrival` (s); a sweep arrives with its last
 /// beam.
 struct Event {
   double arrival = 0.0;
-  std::variant<LidarScan, OdometrySample, Truth> data;
+  std::variant<LidarScan, OdometrySample, GyroSample, Truth> data;
 };
 
-/// Same seed, same commands, same bits. The noise of one sensor is independent of the others'
-/// parameters.
+/// Deterministic for the same seed and commands. The noise of a sensor is independent of the other
+/// sensors' parameters.
 class Simulator {
  public:
   /// The clock starts at `start_time` (s). Throws ParameterError.
   Simulator(std::shared_ptr<const World> world, const SimulatorParameters& parameters,
             const Pose2& base_in_map, std::uint64_t seed, double start_time = 0.0);
 
-  /// Drives on for `seconds`, in steps of 1 ms; what is left over counts towards the next call.
-  /// Returns what arrived meanwhile, oldest first. A car that meets an obstacle or what is not
-  /// known to be free stands before it, and can go back. Throws ParameterError on a command or a
-  /// time that is not finite.
+  /// Simulates `seconds` in steps of 1 ms; the remainder is added to the next call. Returns the
+  /// events, oldest first. A car that collides with an obstacle or non-free space stops and can
+  /// back off. Throws ParameterError if the command or the time is not finite.
   std::vector<Event> advance(double seconds, const Command& command);
 
-  /// Holds from the next sweep and the next message on. Throws ParameterError and changes nothing.
+  /// Takes effect with the next sweep and message. Throws ParameterError without changing anything.
   void setParameters(const SimulatorParameters& parameters);
   const SimulatorParameters& parameters() const { return parameters_; }
 
-  /// Replaces all obstacles; moving ones are on their paths by the simulator's clock. Throws
-  /// ParameterError and changes nothing.
+  /// Replaces all obstacles; moving ones follow the simulator's clock. Throws ParameterError
+  /// without changing anything.
   void setObstacles(std::vector<Obstacle> obstacles);
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
 
-  /// Lifts the car and puts it down elsewhere, standing still. Its odometry notices nothing. Throws
-  /// ParameterError on a pose that is not finite.
+  /// Moves the car to a pose, stopped (kidnapped robot): odometry does not measure it. Throws
+  /// ParameterError if the pose is not finite.
   void place(const Pose2& base_in_map);
 
-  /// What a lidar without faults (no noise, no missing returns, no glass) would see from here at
-  /// once, were everything a wall that is not known to be free. Obstacles that keep clear of the
-  /// car are not looked at. A driver who looks with it drives the same way whatever the sensors are
-  /// set to.
+  /// An instant sweep of an ideal lidar (no noise, missing returns or glass) that sees all space
+  /// not known to be free as walls, except obstacles that keep clear of the car. For drivers, whose
+  /// commands then do not depend on the sensor parameters.
   LidarScan look() const;
 
   double time() const;
   Truth truth() const;
 
-  /// Whether the car stands against something now, and how often it has run into something.
+  /// Whether the car is in contact with an obstacle, and the number of collisions.
   bool collided() const { return collided_; }
   int collisions() const { return collisions_; }
 
@@ -86,11 +86,13 @@ class Simulator {
   std::vector<Obstacle> obstacles_;
   Lidar lidar_;
   WheelOdometry odometry_;
-  Metronome truths_;
+  Gyro gyro_;
+  PeriodicTimer truths_;
   CarState car_;
+  std::deque<double> steering_;  ///< rad, commands of the last steering_delay
   double start_time_;
   long ticks_ = 0;
-  double pending_ = 0.0;  ///< s asked for and not yet driven
+  double pending_ = 0.0;  ///< s requested but not yet simulated
   bool collided_ = false;
   int collisions_ = 0;
 };

@@ -1,4 +1,4 @@
-// What else is on the way: people who walk about, and another car.
+// Moving traffic: a crowd of pedestrians, and an opponent car.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,23 +11,22 @@
 
 namespace racecar_mcl::sim {
 
-/// People, as discs: one for each 8 m^2 of free space, at least 5 and at most 80. Each walks to and
-/// fro along a straight way of 1.5 to 6 m, and turns back before the car.
+/// Pedestrians (discs): one per 8 m^2 of free space, 5 to 80. Each walks back and forth along a
+/// straight path of 1.5 to 6 m and turns around in front of the car.
 class Crowd {
  public:
-  /// No way comes within 1.5 m of `keep_clear`. Throws MapError where the world has no room for
-  /// them.
+  /// All paths keep 1.5 m from `keep_clear`. Throws MapError if there is no room.
   Crowd(const World& world, const Pose2& keep_clear, Random& random);
 
-  /// Where they are at `time` (s), the car being at `base_in_map`. Times must not run backwards.
+  /// Their positions at `time` (s) with the car at `base_in_map`. Times must not decrease.
   std::vector<Obstacle> walk(const Pose2& base_in_map, double time);
 
  private:
   struct Walker {
     Eigen::Vector2d from;
     Eigen::Vector2d direction;
-    double length;  ///< m, of the way
-    double along;   ///< m, on it
+    double length;  ///< m, of the path
+    double along;   ///< m, position on the path
     double speed;   ///< m/s, negative on the way back
     double radius;  ///< m
 
@@ -38,18 +37,18 @@ class Crowd {
   std::optional<double> last_time_;  ///< s
 };
 
-/// A car that stays beside or just ahead of ours, swaying from one side past its front to the
-/// other, where walls leave room for it. It keeps clear of ours by itself.
+/// A car that moves beside and ahead of ours, from side to side, where there is room. It avoids our
+/// car.
 class Opponent {
  public:
   explicit Opponent(std::uint64_t seed);
 
-  /// Where it is at `time` (s), ours being at `base_in_map`. Times must not run backwards.
+  /// Its pose at `time` (s) with our car at `base_in_map`. Times must not decrease.
   Obstacle follow(const Pose2& base_in_map, double time, const World& world);
 
  private:
-  double phase_;        ///< rad, of its swaying
-  double angle_ = 0.0;  ///< rad, to where it is about our car: 0 ahead, positive to the left
+  double phase_;                     ///< rad, of the lateral oscillation
+  double angle_ = 0.0;               ///< rad, bearing from our car: 0 ahead, positive to the left
   std::optional<double> last_time_;  ///< s
 };
 

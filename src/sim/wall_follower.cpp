@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "racecar_mcl/require.h"
+#include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl::sim {
 namespace {
@@ -11,20 +11,18 @@ namespace {
 using Points = std::vector<Eigen::Vector2d>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kStep = 0.12;     // m, of the foretold path
-constexpr double kSpacing = 0.04;  // m, between the sweep's points looked at
-constexpr double kJump = 0.15;     // m, between neighbouring points of different things
-constexpr double kSight = 4.0;     // m, farther walls do not count
-constexpr double kSoftness =
-    0.3;  // m, points this much farther than the nearest count 1/e for the angle
-constexpr double kSteepest =
-    0.7;  // rad, at most between the path and the wall on the way to the target
-constexpr double kFront = 0.4;     // rad, to either side, is straight ahead
-constexpr double kClearWay = 2.0;  // m, a path that is clear for less is worth a swerve
-constexpr double kTouch = 0.03;    // m, so close to something is too close
+constexpr double kStep = 0.12;     // m, of the predicted path
+constexpr double kSpacing = 0.04;  // m, between used points
+constexpr double kMinGap = 0.15;   // m, between neighbouring points of different objects
+constexpr double kMaxRange = 4.0;  // m
+constexpr double kSoftness = 0.3;  // m, decay length of point weights beyond the nearest point
+constexpr double kMaxApproachAngle = 0.7;  // rad, between path and wall
+constexpr double kForwardSector = 0.4;     // rad, half width of the forward sector
+constexpr double kMinClearPath = 2.0;      // m; shorter clear paths trigger swerves
+constexpr double kMinClearance = 0.03;     // m
 
-/// The nearest point on one side: how far, and the angle by which the car heads away from that wall
-/// (rad).
+/// Distance (m) to the nearest point on one side, and the angle (rad) by which the car heads away
+/// from that wall.
 struct WallAhead {
   double distance = kInfinity;
   double angle = 0.0;
@@ -44,13 +42,13 @@ Points pointsInBase(const LidarScan& sweep) {
   return points;
 }
 
-/// Closes every gap too narrow for the car, as between a column and the wall behind it, with points
-/// across it: a law that looks for the middle of a passage would drive into it.
+/// Fills gaps that are too narrow for the car, such as between a column and a wall, with points;
+/// otherwise the control law would steer to their middle.
 void closeGaps(Points& points, double width) {
   const std::size_t count = points.size();
   for (std::size_t i = 0; i + 1 < count; ++i) {
-    if ((points[i + 1] - points[i]).norm() < kJump) continue;
-    // The nearer side of a jump is an edge; what it may form a gap with lies beyond the other side.
+    if ((points[i + 1] - points[i]).norm() < kMinGap) continue;
+    // The nearer side of a range jump is an edge; the gap is to points on the other side.
     const bool edge_first = points[i].norm() < points[i + 1].norm();
     const Eigen::Vector2d edge = edge_first ? points[i] : points[i + 1];
     const std::size_t begin = edge_first ? i + 1 : 0;
@@ -70,10 +68,10 @@ void closeGaps(Points& points, double width) {
   }
 }
 
-/// The wall on one side (+1 left, -1 right) as seen from `viewpoint`: from the direction (1,
-/// `front`), where y counts to that side, to 150 degrees from straight ahead.
-WallAhead lookAt(const Points& points, const Pose2& viewpoint, double side, double front,
-                 Points& seen) {
+/// The wall on one side (+1 left, -1 right) from `viewpoint`: in the sector from the direction (1,
+/// `front`), with y towards that side, to 150 degrees.
+WallAhead findWall(const Points& points, const Pose2& viewpoint, double side, double front,
+                   Points& seen) {
   const double c = std::cos(viewpoint.yaw);
   const double s = std::sin(viewpoint.yaw);
   const double behind = std::tan(60.0 * kPi / 180.0);
@@ -83,7 +81,7 @@ WallAhead lookAt(const Points& points, const Pose2& viewpoint, double side, doub
     const double dx = point.x() - viewpoint.x;
     const double dy = point.y() - viewpoint.y;
     const double squared = dx * dx + dy * dy;
-    if (squared > kSight * kSight) continue;
+    if (squared > kMaxRange * kMaxRange) continue;
     const double x = c * dx + s * dy;
     const double out = side * (c * dy - s * dx);
     if (x >= 0.0 ? out < front * x : out < -x / behind) continue;
@@ -99,11 +97,11 @@ WallAhead lookAt(const Points& points, const Pose2& viewpoint, double side, doub
     if (range > nearest + 5.0 * kSoftness || range == 0.0) continue;
     mean += std::exp((nearest - range) / kSoftness) / range * point;
   }
-  // Straight to the side is parallel to the wall; ahead of that means heading into it.
+  // A mean direction of 90 degrees is parallel to the wall; less means heading towards it.
   return {nearest, std::atan2(mean.y(), mean.x()) - kPi / 2.0};
 }
 
-/// Distance from the car's side to the nearest point, the car taken as a strip with round ends.
+/// Distance from the car's outline, a stadium shape, to the nearest point.
 double clearance(const Points& points, const Pose2& base, const CarParameters& car) {
   const double c = std::cos(base.yaw);
   const double s = std::sin(base.yaw);
@@ -131,66 +129,65 @@ double curvatureAt(const Points& points, const Pose2& base, double speed,
   const double length = std::clamp(0.25 * speed, 0.55, 1.4);
   const Pose2 viewpoint = compose(base, {0.3 + 0.12 * speed, 0.0, 0.0});
   const double side = p.side == Side::kLeft ? 1.0 : -1.0;
-  // What lies straight ahead is the followed wall's affair: at an inner corner the car turns away
-  // from it.
-  const WallAhead wall = lookAt(points, viewpoint, side, -std::tan(kFront), scratch);
-  const WallAhead opposite = lookAt(points, viewpoint, -side, std::tan(kFront), scratch);
+  // The forward sector belongs to the followed wall: at an inner corner the car turns away from it.
+  const WallAhead wall = findWall(points, viewpoint, side, -std::tan(kForwardSector), scratch);
+  const WallAhead opposite = findWall(points, viewpoint, -side, std::tan(kForwardSector), scratch);
   if (!std::isfinite(wall.distance)) return 0.0;
   const double target = std::min(p.wall_distance, (wall.distance + opposite.distance) / 2.0);
   const double approach =
-      std::clamp((wall.distance - target) / (2.0 * length), -kSteepest, kSteepest);
+      std::clamp((wall.distance - target) / (2.0 * length), -kMaxApproachAngle, kMaxApproachAngle);
   const double weight = 1.0 / (1.0 + std::exp((wall.distance - opposite.distance) / kSoftness));
   const double angle = weight * wall.angle - (1.0 - weight) * opposite.angle;
   const double limit = curvatureLimit(p.car);
   return side * std::clamp(2.0 / length * (approach + angle), -limit, limit);
 }
 
-/// The path foretold.
-struct Outlook {
-  double curvature = 0.0;  // 1/m, to begin with
-  double clear_way = 0.0;  // m, as far as everything stays a margin away
-  double free_way = 0.0;   // m, as far as the car gets at all
-  double speed = 0.0;      // m/s, at most, now
+/// The predicted path.
+struct PathPrediction {
+  double curvature = 0.0;       // 1/m, initial
+  double clear_distance = 0.0;  // m with the full margin
+  double free_distance = 0.0;   // m without collision
+  double speed = 0.0;           // m/s, current limit
 
-  bool isBetterThan(const Outlook& other) const {
-    return clear_way + free_way > other.clear_way + other.free_way + kStep;
+  bool isBetterThan(const PathPrediction& other) const {
+    return clear_distance + free_distance > other.clear_distance + other.free_distance + kStep;
   }
 };
 
-/// Drives the law ahead on the sweep's points, `swerve` (1/m) added to its curvature over the first
-/// `swerve_way`.
-Outlook foresee(const Points& points, double speed, double swerve, double swerve_way,
-                const WallFollowerParameters& p) {
+/// Simulates the control law on the sweep's points, with `swerve` (1/m) added to the curvature over
+/// the first `swerve_length` m.
+PathPrediction predictPath(const Points& points, double speed, double swerve, double swerve_length,
+                           const WallFollowerParameters& p) {
   const double horizon = std::max(2.0, speed * speed / (2.0 * p.max_braking) + 1.5);
   const double limit = curvatureLimit(p.car);
-  // v^2 <= v_there^2 + 2 a s for every place s ahead.
+  // v^2 <= v(s)^2 + 2 a s for all distances s ahead.
   const auto limitBy = [&](double there_squared, double way) {
     return std::sqrt(there_squared + 2.0 * p.max_braking * std::max(way, 0.0));
   };
-  Outlook outlook{0.0, horizon, horizon, std::min(p.speed, limitBy(0.0, horizon))};
+  PathPrediction prediction{0.0, horizon, horizon, std::min(p.speed, limitBy(0.0, horizon))};
   Points scratch;
   Pose2 base;
   for (double way = 0.0; way < horizon; way += kStep) {
-    const double curvature =
-        std::clamp(curvatureAt(points, base, speed, p, scratch) + (way < swerve_way ? swerve : 0.0),
-                   -limit, limit);
-    if (way == 0.0) outlook.curvature = curvature;
+    const double curvature = std::clamp(
+        curvatureAt(points, base, speed, p, scratch) + (way < swerve_length ? swerve : 0.0), -limit,
+        limit);
+    if (way == 0.0) prediction.curvature = curvature;
     const double room = clearance(points, base, p.car);
-    if (room < p.margin && way < outlook.clear_way) {
-      outlook.clear_way = way;
-      outlook.speed = std::min(outlook.speed, limitBy(p.min_speed * p.min_speed, way));
+    if (room < p.margin && way < prediction.clear_distance) {
+      prediction.clear_distance = way;
+      prediction.speed = std::min(prediction.speed, limitBy(p.min_speed * p.min_speed, way));
     }
-    if (room < kTouch) {
-      outlook.free_way = way;
-      outlook.speed = std::min(outlook.speed, limitBy(0.0, way - kStep));
+    if (room < kMinClearance) {
+      prediction.free_distance = way;
+      prediction.speed = std::min(prediction.speed, limitBy(0.0, way - kStep));
       break;
     }
-    outlook.speed =
-        std::min(outlook.speed,
+    prediction.speed =
+        std::min(prediction.speed,
                  limitBy(p.max_lateral_acceleration / std::max(std::abs(curvature), 1e-3), way));
     base = compose(base, integrate({1.0, 0.0, curvature}, kStep));
   }
-  return outlook;
+  return prediction;
 }
 
 }  // namespace
@@ -218,19 +215,19 @@ Command WallFollower::follow(const LidarScan& sweep, double speed) const {
   const WallFollowerParameters& p = parameters_;
   Points points = pointsInBase(sweep);
   closeGaps(points, p.car.width + 2.0 * p.margin);
-  const Outlook law = foresee(points, std::abs(speed), 0.0, 0.0, p);
-  Outlook best = law;
-  if (law.clear_way < kClearWay) {
+  const PathPrediction law = predictPath(points, std::abs(speed), 0.0, 0.0, p);
+  PathPrediction best = law;
+  if (law.clear_distance < kMinClearPath) {
     for (const double way : {0.7, 1.4}) {
       for (const double swerve : {0.4, -0.4, 0.8, -0.8, 2.0, -2.0}) {
-        const Outlook other = foresee(points, std::abs(speed), swerve, way, p);
+        const PathPrediction other = predictPath(points, std::abs(speed), swerve, way, p);
         if (other.isBetterThan(best)) best = other;
       }
     }
   }
   const double steering = std::atan(best.curvature * p.car.wheelbase);
-  // Right before something: back off, the front turning the same way as it would ahead.
-  if (best.free_way < kStep) return {-std::min(p.min_speed, p.speed), -steering};
+  // Blocked: back off, turning in the same direction as ahead.
+  if (best.free_distance < kStep) return {-std::min(p.min_speed, p.speed), -steering};
   return {std::max(best.speed, std::min(p.min_speed, p.speed)), steering};
 }
 

@@ -1,9 +1,7 @@
-// Drives along a wall by the lidar alone: proportional to the distance to it, derivative by the
-// angle to it.
+// Wall follower: PD control of the distance and angle to a wall, from lidar data.
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "sim/car.h"
 #include "sim/lidar.h"
@@ -15,11 +13,11 @@ enum class Side { kLeft, kRight };
 struct WallFollowerParameters {
   Side side = Side::kLeft;
   double wall_distance = 0.9;             ///< m, from the car's centre line to the wall
-  double speed = 3.0;                     ///< m/s, where the way is clear and straight
-  double min_speed = 0.6;                 ///< m/s, in the tightest place
+  double speed = 3.0;                     ///< m/s, on clear straights
+  double min_speed = 0.6;                 ///< m/s, in narrow places
   double max_lateral_acceleration = 5.0;  ///< m/s^2, v^2 curvature
-  double max_braking = 5.0;               ///< m/s^2, below what the car can
-  double margin = 0.12;                   ///< m, kept from everything beside the car's own width
+  double max_braking = 5.0;               ///< m/s^2, below the limit of the car
+  double margin = 0.12;                   ///< m, clearance beside the car
   CarParameters car;
 
   /// Throws ParameterError, naming the field.
@@ -30,24 +28,23 @@ struct WallFollowerParameters {
 ///
 ///     curvature = s ((d - target) / L^2 + 2 angle / L),      s = +1 left, -1 right,
 ///
-/// critically damped with the length L, which grows with the speed. d and angle belong to the
-/// nearest point of the wall's side, seen from a little ahead of the car. Nearest points need no
-/// fitted lines: the wall in front of an inner corner, the edge of an outer one, a pillar and the
-/// mouth of an alcove all count for what they are. Where both sides are near, the target is the
-/// middle.
+/// critically damped with the length L, which increases with the speed. d and angle refer to the
+/// nearest point on the wall's side, from a viewpoint ahead of the car. Nearest points, unlike
+/// fitted lines, also handle corners, pillars and alcoves. If both sides are near, the target is
+/// the middle.
 ///
-/// The same law, driven ahead on the sweep's points, foretells the path. Its curvature, its end and
-/// what stands in its way set the speed, so that the car brakes before a curve and not in it.
+/// Simulating the same law on the sweep's points predicts the path. Its curvature, its end and
+/// obstacles on it limit the speed, so that the car brakes before a curve.
 class WallFollower {
  public:
   /// Throws ParameterError.
   explicit WallFollower(const WallFollowerParameters& parameters);
 
-  /// Throws ParameterError and changes nothing.
+  /// Throws ParameterError without changing anything.
   void setParameters(const WallFollowerParameters& parameters);
   const WallFollowerParameters& parameters() const { return parameters_; }
 
-  /// What to do after a sweep, driving at `speed` m/s.
+  /// The command after a sweep, at `speed` m/s.
   Command follow(const LidarScan& sweep, double speed) const;
 
  private:

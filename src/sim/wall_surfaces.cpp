@@ -8,11 +8,11 @@
 namespace racecar_mcl::sim {
 namespace {
 
-constexpr double kThin = 0.25;  // m: a wall no thicker goes whole, also where both sides are free
-constexpr double kDeep = 1.0;   // m, that a thicker one loses
+constexpr double kMaxThinWall = 0.25;    // m; such walls are erased completely
+constexpr double kMaxErasedDepth = 1.0;  // m, for thicker walls
 
-int stepsIn(double way, const GridGeometry& geometry) {
-  return std::max(0, static_cast<int>(std::lround(way / geometry.resolution)));
+int stepsIn(double length, const GridGeometry& geometry) {
+  return std::max(0, static_cast<int>(std::lround(length / geometry.resolution)));
 }
 
 }  // namespace
@@ -26,8 +26,8 @@ WallSurfaces::WallSurfaces(const OccupancyGrid& map)
   const CellIndex index(map_.geometry());
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     if (!isOccupied(cells_[i])) continue;
-    const auto round = neighbours(index.cell(i));
-    if (std::none_of(round.begin(), round.begin() + 4,
+    const auto around = neighbours(index.cell(i));
+    if (std::none_of(around.begin(), around.begin() + 4,
                      [&](const Cell& cell) { return map_.isFree(cell); })) {
       continue;
     }
@@ -36,13 +36,13 @@ WallSurfaces::WallSurfaces(const OccupancyGrid& map)
     owner_[i] = static_cast<std::uint32_t>(i);
     depth_[i] = 0;
   }
-  const int deepest = stepsIn(kDeep, map_.geometry()) + 1;
+  const int deepest = stepsIn(kMaxErasedDepth, map_.geometry()) + 1;
   std::vector<std::size_t> queue = surface_;
   for (std::size_t k = 0; k < queue.size(); ++k) {
     if (depth_[queue[k]] >= deepest) continue;
-    // Beside only: diagonal steps would carry an owner along the wall.
-    const auto round = neighbours(index.cell(queue[k]));
-    for (auto next = round.begin(); next != round.begin() + 4; ++next) {
+    // Direct neighbours only: diagonal steps would propagate owners along the wall.
+    const auto around = neighbours(index.cell(queue[k]));
+    for (auto next = around.begin(); next != around.begin() + 4; ++next) {
       if (!isOccupied(map_.at(*next)) || depth_[index(*next)] != UINT16_MAX) continue;
       owner_[index(*next)] = owner_[queue[k]];
       depth_[index(*next)] = static_cast<std::uint16_t>(depth_[queue[k]] + 1);
@@ -79,7 +79,7 @@ std::vector<std::size_t> WallSurfaces::reach(const std::vector<std::size_t>& fro
 std::int8_t WallSurfaces::behind(const std::vector<std::size_t>& erased) const {
   const CellIndex index(map_.geometry());
   const std::unordered_set<std::size_t> gone(erased.begin(), erased.end());
-  const int thin = stepsIn(kThin, map_.geometry());
+  const int thin = stepsIn(kMaxThinWall, map_.geometry());
   for (const std::size_t i : erased) {
     for (const Cell& next : neighbours(index.cell(i))) {
       if (!contains(map_.geometry(), next)) return OccupancyGrid::kUnknown;
@@ -93,16 +93,16 @@ std::int8_t WallSurfaces::behind(const std::vector<std::size_t>& erased) const {
 
 void WallSurfaces::erase(std::size_t centre, double length) {
   const GridGeometry& geometry = map_.geometry();
-  const std::vector<std::size_t> stretch =
-      reach({centre}, stepsIn(length / 2.0 - kThin, geometry),
+  const std::vector<std::size_t> segment =
+      reach({centre}, stepsIn(length / 2.0 - kMaxThinWall, geometry),
             [&](std::size_t cell) { return is_surface_[cell] != 0; });
   std::vector<std::size_t> erased =
-      reach(stretch, stepsIn(kThin, geometry), [](std::size_t) { return true; });
+      reach(segment, stepsIn(kMaxThinWall, geometry), [](std::size_t) { return true; });
   std::unordered_set<std::size_t> owners;
   std::copy_if(erased.begin(), erased.end(), std::inserter(owners, owners.end()),
                [&](std::size_t cell) { return is_surface_[cell] != 0; });
   const std::vector<std::size_t> deep =
-      reach(erased, stepsIn(kDeep, geometry), [&](std::size_t cell) {
+      reach(erased, stepsIn(kMaxErasedDepth, geometry), [&](std::size_t cell) {
         return depth_[cell] != UINT16_MAX && owners.count(owner_[cell]) != 0;
       });
   erased.insert(erased.end(), deep.begin(), deep.end());

@@ -1,17 +1,17 @@
-// The walls of a map by the surface that is seen of them, and how to take stretches of them away.
+// The visible wall surfaces of a map, and how to erase segments of them.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/map/occupancy_grid.h"
 
 namespace racecar_mcl::sim {
 
 inline bool isOccupied(std::int8_t value) { return value >= OccupancyGrid::kObstacleFrom; }
 
-/// A cell's place among the cells of a grid, and back.
+/// Conversion between cells and their indices in row-major order.
 class CellIndex {
  public:
   explicit CellIndex(const GridGeometry& geometry) : width_(geometry.width) {}
@@ -29,7 +29,7 @@ class CellIndex {
   int width_;
 };
 
-/// The eight cells round a cell, some of them perhaps outside the grid; those beside it first.
+/// The eight neighbours of a cell, possibly outside the grid; the four direct ones first.
 inline std::array<Cell, 8> neighbours(const Cell& cell) {
   const int c = cell.column;
   const int r = cell.row;
@@ -43,26 +43,26 @@ inline std::array<Cell, 8> neighbours(const Cell& cell) {
            {c - 1, r - 1}}};
 }
 
-/// Cells are named by their index.
+/// Cells are identified by their index.
 class WallSurfaces {
  public:
   explicit WallSurfaces(const OccupancyGrid& map);
 
-  /// The occupied cells that have a free one beside them, before anything was erased.
+  /// The occupied cells with a free direct neighbour in the original map.
   const std::vector<std::size_t>& surface() const { return surface_; }
-  /// How many of them are still there.
+  /// The number of them that are not erased.
   std::size_t surfaceLeft() const;
   bool isErased(std::size_t cell) const { return !isOccupied(cells_[cell]); }
 
-  /// Takes away `length` m of surface about a cell of it, measured along the wall, and the wall
-  /// behind, up to a metre deep. The cells become free where nothing but free cells is round them,
-  /// else unknown.
+  /// Erases `length` m of surface around a surface cell, along the wall, and the wall behind it up
+  /// to a depth of 1 m. The cells become free if they are surrounded by free cells only, else
+  /// unknown.
   void erase(std::size_t centre, double length);
 
   const std::vector<std::int8_t>& cells() const { return cells_; }
 
  private:
-  /// The cells of `among` that lead from `from` to others of it in at most `steps`.
+  /// The cells that satisfy `among` and are connected to `from` within `steps`.
   template <typename Among>
   std::vector<std::size_t> reach(const std::vector<std::size_t>& from, int steps,
                                  Among&& among) const;
@@ -72,8 +72,8 @@ class WallSurfaces {
   std::vector<std::int8_t> cells_;
   std::vector<std::size_t> surface_;
   std::vector<std::uint8_t> is_surface_;
-  std::vector<std::uint32_t> owner_;  ///< of each occupied cell: the nearest one of the surface
-  std::vector<std::uint16_t> depth_;  ///< steps from there
+  std::vector<std::uint32_t> owner_;  ///< nearest surface cell of each occupied cell
+  std::vector<std::uint16_t> depth_;  ///< steps from that surface cell
 };
 
 }  // namespace racecar_mcl::sim

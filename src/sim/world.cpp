@@ -6,14 +6,14 @@
 #include <fstream>
 #include <limits>
 
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/common/errors.h"
 
 namespace racecar_mcl::sim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// What a cell is, by how much it stops.
+// Cell kinds, in the order used by castWalls.
 constexpr std::uint8_t kFree = 0;
 constexpr std::uint8_t kUnknown = 1;
 constexpr std::uint8_t kWall = 2;
@@ -31,8 +31,7 @@ std::string besideMap(const std::string& map_yaml_path, const std::string& suffi
   return map_yaml_path.substr(0, has_extension ? dot : std::string::npos) + suffix;
 }
 
-/// One axis of the traversal: the cell the ray is in, and the distance at which it enters the next
-/// one.
+/// One axis of the traversal: the current cell, and the distance to the next one.
 struct Axis {
   double start;
   double direction;
@@ -42,13 +41,13 @@ struct Axis {
 
   Axis(double start_, double direction_, int size_, double enter)
       : start(start_), direction(direction_), size(size_), step(direction_ > 0.0 ? 1 : -1) {
-    // A ray that enters the grid from outside may be rounded to either side of the grid's edge.
+    // Rays that enter from outside may be rounded to either side of the edge.
     cell = std::clamp(static_cast<int>(std::floor(start + enter * direction)), 0, size - 1);
   }
 
   bool inside() const { return cell >= 0 && cell < size; }
 
-  /// From the cell's index anew each time, so that nothing accumulates along the ray.
+  /// Computed from the cell index, so that rounding errors do not accumulate.
   double next() const {
     if (direction == 0.0) return kInfinity;
     return (cell + (step > 0 ? 1 : 0) - start) / direction;
@@ -75,7 +74,7 @@ double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_ra
   const bool inside = (start.array() >= 0.0).all() && (start.array() < size.array()).all();
   if (ends == Ends::kWhereNotFree && !inside) return 0.0;
 
-  // The stretch of the ray inside the grid, in cells.
+  // The part of the ray inside the grid, in cells.
   double enter = 0.0;
   double exit = kInfinity;
   for (int axis = 0; axis < 2; ++axis) {
@@ -149,13 +148,14 @@ bool World::isGlass(const Glass& glass, const Eigen::Vector2d& point) {
 }
 
 Eigen::Vector2d World::randomFreePoint(Random& random) const {
-  if (free_.empty())
-    throw MapError("the world has no free cell; at least one is needed to stand in");
+  if (free_.empty()) throw MapError("the world has no free cell; expected at least one");
   const std::uint32_t index = free_[random.index(free_.size())];
   const auto width = static_cast<std::uint32_t>(geometry_.width);
-  const double column = index % width + random.uniform();
-  const double row = index / width + random.uniform();
-  return gridToWorld(geometry_, {column, row});
+  const std::uint32_t column = index % width;
+  const std::uint32_t row = index / width;
+  const double x = column + random.uniform();
+  const double y = row + random.uniform();
+  return gridToWorld(geometry_, {x, y});
 }
 
 std::string worldPathFor(const std::string& map_yaml_path) {

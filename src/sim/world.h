@@ -1,71 +1,67 @@
-// The place the simulated car drives in: walls on fine cells, and things that stand or move about
-// unmapped.
+// The simulated world: walls on a fine grid, and unmapped obstacles.
 #pragma once
 
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include "racecar_mcl/occupancy_grid.h"
-#include "racecar_mcl/random.h"
+#include "racecar_mcl/common/random.h"
+#include "racecar_mcl/map/occupancy_grid.h"
 #include "sim/obstacle.h"
 
 namespace racecar_mcl::sim {
 
-/// Parts of the walls that a lidar sees nothing in. The walls are parted into patches of `patch` x
-/// `patch` m, of which `share` (0 to 1), chosen by `seed`, are glass. A car still bumps into it.
+/// Wall patches without lidar returns. Walls are divided into patches of `patch` x `patch` m, of
+/// which a fraction `share`, selected by `seed`, is glass. Cars collide with glass.
 struct Glass {
   double share = 0.0;
   double patch = 0.6;  ///< m
   std::uint64_t seed = 1;
 };
 
-/// What ends a ray. The localizer's rays pass through unknown cells and out of the grid by default
-/// (`unknown_is: free`), and so do the lidar's. What is not known to be free cannot be driven.
+/// What ends a ray. Lidar rays pass through unknown cells and leave the grid, as the localizer's do
+/// by default (`unknown_is: free`). Unknown space is not drivable.
 enum class Ends {
   kAtWalls,
   kWhereNotFree,  ///< at a wall, an unknown cell or the grid's edge
 };
 
-/// Where a ray ends.
+/// The end of a ray.
 struct Hit {
-  double range = 0.0;  ///< m from the ray's origin; +infinity where it meets nothing
+  double range = 0.0;  ///< m from the origin; +infinity without a hit
   bool on_wall = false;
 };
 
-/// The walls. Rays are cast by an exact traversal of the cells in double precision (Amanatides and
-/// Woo, 1987), written for the simulator alone, so that agreement with the localizer's casters
-/// means something.
+/// The walls. Rays are cast by exact grid traversal in double precision (Amanatides and Woo, 1987),
+/// independent of the localizer's casters, so that agreement with them is meaningful.
 class World {
  public:
-  /// A cell is a wall from OccupancyGrid::kObstacleFrom on; the outside is unknown. The grid may be
-  /// as fine as one likes; splitting the cells of a coarse map would change no range and is left
-  /// undone.
+  /// Cells of at least OccupancyGrid::kObstacleFrom are walls; outside the grid is unknown.
   explicit World(const OccupancyGrid& grid);
 
   const GridGeometry& geometry() const { return geometry_; }
 
-  /// Distance from `origin` to the entry of the first cell that ends a ray in direction `yaw` (rad,
-  /// map frame): 0 from inside such a cell, +infinity where there is none within `max_range`.
+  /// Distance from `origin` to the first cell that ends a ray in direction `yaw` (rad, map frame):
+  /// 0 inside such a cell, +infinity if there is none within `max_range`.
   double castWalls(const Eigen::Vector2d& origin, double yaw, double max_range,
                    Ends ends = Ends::kAtWalls) const;
 
-  /// The nearer of the walls and of the obstacles as they stand at `time` (s).
+  /// The nearest hit of walls and of obstacles at `time` (s).
   Hit cast(const Eigen::Vector2d& origin, double yaw, double max_range,
            const std::vector<Obstacle>& obstacles, double time, Ends ends = Ends::kAtWalls) const;
 
   bool isWall(const Eigen::Vector2d& point) const;
 
-  /// Known to be free: not a wall, not unknown, not outside.
+  /// Known to be free: not a wall, unknown or outside.
   bool isFree(const Eigen::Vector2d& point) const;
 
-  /// m^2 of known free space.
+  /// Area of known free space, m^2.
   double freeArea() const;
 
   /// Whether the wall at `point` is glass.
   static bool isGlass(const Glass& glass, const Eigen::Vector2d& point);
 
-  /// A point of free (known) space, uniformly at random. Throws MapError where there is none.
+  /// A uniformly random point of known free space. Throws MapError if there is none.
   Eigen::Vector2d randomFreePoint(Random& random) const;
 
  private:
@@ -76,15 +72,14 @@ class World {
 
   GridGeometry geometry_;
   std::vector<std::uint8_t> cells_;  ///< free, unknown or wall; row-major, lowest row first
-  std::vector<std::uint32_t> free_;  ///< indices of the free cells, rising
+  std::vector<std::uint32_t> free_;  ///< indices of the free cells, increasing
 };
 
-/// The world that belongs to a map file: `<map>_world.yaml` beside it where there is one, else the
-/// map itself. The path only; nothing is read.
+/// The path of a map's world: `<map>_world.yaml` if it exists, else the map itself.
 std::string worldPathFor(const std::string& map_yaml_path);
 
 /// The pose in `<map>_start.yaml` (`start: [x, y, yaw]`, m and rad in the map frame). Returns false
-/// where the map has no such file; throws MapError on one that does not read so.
+/// if there is no such file; throws MapError if it is invalid.
 bool loadStartPose(const std::string& map_yaml_path, Pose2& start_in_map);
 
 }  // namespace racecar_mcl::sim

@@ -1,5 +1,5 @@
-// What every range caster promises on whole maps: that it agrees with the definition, with the
-// exact reference, and with itself.
+// Contract of the range casters on whole maps: agreement with the definition, with the exact
+// reference, and between calls.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -12,7 +12,7 @@ namespace {
 
 class CasterAgreement : public RangeCasterContract {
  protected:
-  /// A caster that has cast from all poses of a world at once, and what it found.
+  /// A caster and its ranges from all poses of a world.
   struct WholeBatch {
     std::unique_ptr<RangeCaster> caster;
     Eigen::ArrayXf bearings;
@@ -81,7 +81,7 @@ TEST_P(CasterAgreement, AgreesWithTheReferenceInAFloorPlan) {
   EXPECT_LE((off > 3.0).cast<double>().mean(), promise.over_three);
 }
 
-TEST_P(CasterAgreement, CastsAChunkAsItCastsTheWhole) {
+TEST_P(CasterAgreement, CastsAChunkLikeTheWhole) {
   const WholeBatch whole = castWhole(8, 37, 101);
   Eigen::ArrayXXf chunks(whole.ranges.rows(), whole.ranges.cols());
   for (Eigen::Index first = 0; first < 101; first += 7) {
@@ -106,11 +106,11 @@ TEST_P(CasterAgreement, CastsFromSeveralThreadsAtOnce) {
   for (const Eigen::ArrayXXf& result : results) EXPECT_TRUE((result == whole.ranges).all());
 }
 
-TEST(SimdCaster, GivesTheSameBitsWithEveryInstructionSet) {
+TEST(SimdCaster, IsBitIdenticalForEveryInstructionSet) {
   RandomWorld world(10, 300, 200);
   RangeCasterParameters parameters;
   parameters.max_range = 8.0;
-  const Eigen::ArrayXf bearings = fan(301);  // more than are handled at once
+  const Eigen::ArrayXf bearings = fan(301);  // more than a block
   const Poses poses(world.poses(50, 4.0));
   Eigen::ArrayXXf expected;
   for (const InstructionSet set : availableInstructionSets()) {

@@ -1,4 +1,4 @@
-// Who is under test, what it promises, and the worlds it is tested in.
+// Casters under test, their accuracies and the worlds of the contract tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,30 +11,30 @@
 #include <string>
 #include <vector>
 
-#include "racecar_mcl/random.h"
-#include "racecar_mcl/range_caster.h"
-#include "range_casters/panorama_caster.h"
-#include "range_casters/simd_caster.h"
+#include "racecar_mcl/common/random.h"
+#include "racecar_mcl/raycasting/range_caster.h"
+#include "raycasting/lookup_table_caster.h"
+#include "raycasting/simd_caster.h"
 
 namespace racecar_mcl {
 
-/// How exact a caster says it is, in cells.
+/// Maximum errors of a caster, in cells.
 struct Promise {
-  double flat_wall;            ///< where rays meet flat walls
+  double flat_wall;            ///< on flat walls
   double p95;                  ///< 95 % of the rays of a floor plan
   double p999;                 ///< 99.9 % of the rays
-  double over_three = 0.0005;  ///< share of rays off by more than three cells
+  double over_three = 0.0005;  ///< fraction of rays with errors above three cells
   double scattered_p95 = p95;  ///< 95 % of the rays among scattered poles, all edges
 };
 
 inline Promise promiseOf(const std::string& name) {
   if (name == "bresenham" || name == "distance_transform") return {1e-4, 1e-3, 1e-3};
-  if (name.rfind("panorama", 0) == 0) return {0.35, 1.0, 200.0, 0.02, 20.0};
+  if (name.rfind("lut", 0) == 0) return {0.35, 1.0, 200.0, 0.02, 20.0};
   if (name.rfind("simd", 0) == 0) return {5e-4, 1e-3, 1e-2};
   throw std::invalid_argument("state what " + name + " promises");
 }
 
-/// A caster under test: by its public name, or the vectorised one held to an instruction set.
+/// A caster under test: by its public name, or SimdCaster with an instruction set.
 struct Subject {
   std::string name;
   std::function<std::unique_ptr<RangeCaster>(const OccupancyGrid&, RangeCasterParameters)> make;
@@ -59,13 +59,14 @@ inline std::vector<Subject> subjects() {
                    }});
   }
   all.push_back(
-      {"panorama_at_once", [](const OccupancyGrid& grid, const RangeCasterParameters& parameters) {
-         return std::make_unique<PanoramaCaster>(grid, parameters, PanoramaCaster::Thrift::kAtOnce);
+      {"lut_at_once", [](const OccupancyGrid& grid, const RangeCasterParameters& parameters) {
+         return std::make_unique<LookupTableCaster>(grid, parameters,
+                                                    LookupTableCaster::BuildPolicy::kAtOnce);
        }});
   return all;
 }
 
-/// Poses one by one, for tests of a few rays.
+/// Casts single rays.
 struct Poses {
   explicit Poses(const std::vector<Pose2>& list) {
     for (const Pose2& pose : list) {

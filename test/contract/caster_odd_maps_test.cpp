@@ -1,6 +1,5 @@
-// What every range caster promises on maps of any shape, from any pose, with any number of rays:
-// ranges that are ranges. Run under AddressSanitizer this also shows that no ray reads beside the
-// map.
+// Contract of the range casters on maps of any shape, from any pose, with any number of rays: valid
+// ranges. With AddressSanitizer this also shows that no ray reads outside the map.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +9,7 @@
 namespace racecar_mcl {
 namespace {
 
-/// A map of a random shape and density, and what is cast there.
+/// A map of random shape and density, with poses and bearings.
 struct OddWorld {
   explicit OddWorld(std::uint64_t seed) : random(seed) {
     const int sizes[] = {1, 1, 2, 3, 5, 17, 64, 129, 301};
@@ -36,13 +35,13 @@ struct OddWorld {
     bearings = Eigen::ArrayXf::LinSpaced(beams[random.index(std::size(beams))], -2.356F, 3.1F);
   }
 
-  /// In the map and around it.
+  /// Inside and around the map.
   std::vector<Pose2> scattered() {
     return list([&](int size) { return random.uniform(-3.0, size + 3.0); },
                 [&] { return random.uniform(-4.0, 4.0); });
   }
 
-  /// On the corners of cells, along the grid: where rays run on borders.
+  /// On corners of cells and along the grid, so that rays run on borders.
   std::vector<Pose2> onCorners() {
     return list(
         [&](int size) {
@@ -89,7 +88,7 @@ TEST_P(CasterOnOddMaps, CastsRangesBetweenZeroAndTheMaximum) {
   }
 }
 
-TEST_P(CasterOnOddMaps, CastsARayTheSameWhateverIsCastBesideIt) {
+TEST_P(CasterOnOddMaps, CastsARayIndependentlyOfOthers) {
   for (std::uint64_t seed = 0; seed < kWorlds; ++seed) {
     SCOPED_TRACE(seed);
     OddWorld world(seed);

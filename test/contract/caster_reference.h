@@ -1,4 +1,4 @@
-// What a range is by definition, computed in the slowest and plainest way.
+// Ranges by definition: the brute-force reference.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/map/occupancy_grid.h"
 
 namespace racecar_mcl {
 

@@ -1,12 +1,12 @@
-// What every range caster promises, whatever its name: the cases one can work out by hand.
-#include "racecar_mcl/range_caster.h"
+// Contract of all range casters: cases computed by hand.
+#include "racecar_mcl/raycasting/range_caster.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "caster_contract.h"
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/common/errors.h"
 #include "support/ascii_map.h"
 
 namespace racecar_mcl {
@@ -70,7 +70,7 @@ TEST_P(RangeCasterContract, NeverExceedsMaxRange) {
   EXPECT_FLOAT_EQ(castOne(*myopic, {5.25, 2.5, 0.3}), 0.25F);
 }
 
-TEST_P(RangeCasterContract, GivesZeroFromInsideAnObstacle) {
+TEST_P(RangeCasterContract, GivesZeroInsideAnObstacle) {
   const auto caster = makeCaster(asciiMap(kRoom));
   for (const double yaw : {0.0, 1.0, 2.5, -2.0}) {
     EXPECT_EQ(castOne(*caster, {0.5, 3.2, yaw}), 0.0);
@@ -78,7 +78,7 @@ TEST_P(RangeCasterContract, GivesZeroFromInsideAnObstacle) {
   }
 }
 
-TEST_P(RangeCasterContract, PassesThroughTheOutsideWhereUnknownIsFree) {
+TEST_P(RangeCasterContract, PassesThroughTheOutsideIfUnknownIsFree) {
   const auto caster = makeCaster(asciiMap("... ... ..# ... ..."), 50.0);
   EXPECT_FLOAT_EQ(castOne(*caster, {1.5, 1.5, 0.0}), 50.0F);            // out of the map
   EXPECT_NEAR(castOne(*caster, {-10.0, 2.5, 0.0}), 12.0, tolerance());  // in, and onto the wall
@@ -88,10 +88,10 @@ TEST_P(RangeCasterContract, PassesThroughTheOutsideWhereUnknownIsFree) {
   EXPECT_FLOAT_EQ(castOne(*caster, {-10.0, 1.5, 0.0}), 50.0F);   // across, past the wall
   EXPECT_FLOAT_EQ(castOne(*caster, {-10.0, 2.5, kPi}), 50.0F);   // away
   EXPECT_FLOAT_EQ(castOne(*caster, {-10.0, 20.0, 0.0}), 50.0F);  // beside the map
-  EXPECT_FLOAT_EQ(castOne(*caster, {-49.0, 2.5, 0.0}), 50.0F);   // too far to see the wall
+  EXPECT_FLOAT_EQ(castOne(*caster, {-49.0, 2.5, 0.0}), 50.0F);   // beyond the maximum range
 }
 
-TEST_P(RangeCasterContract, EndsAtTheOutsideWhereUnknownIsOccupied) {
+TEST_P(RangeCasterContract, EndsAtTheOutsideIfUnknownIsOccupied) {
   const auto caster = makeCaster(asciiMap("... ... ..# ... ..."), 50.0, UnknownIs::kOccupied);
   EXPECT_NEAR(castOne(*caster, {1.5, 1.25, 0.0}), 1.5, tolerance());
   EXPECT_NEAR(castOne(*caster, {1.5, 1.25, kPi}), 1.5, tolerance());
@@ -102,7 +102,7 @@ TEST_P(RangeCasterContract, EndsAtTheOutsideWhereUnknownIsOccupied) {
   EXPECT_EQ(castOne(*caster, {1.5, 100.0, 1.0}), 0.0);
 }
 
-TEST_P(RangeCasterContract, TakesUnknownCellsForWhatItIsTold) {
+TEST_P(RangeCasterContract, TreatsUnknownCellsAsConfigured) {
   const OccupancyGrid grid = asciiMap("###### #..??# #..??# ######");
   EXPECT_NEAR(castOne(*makeCaster(grid), {1.5, 1.5, 0.0}), 3.5, tolerance());
   const auto caster = makeCaster(grid, 100.0, UnknownIs::kOccupied);
@@ -110,7 +110,7 @@ TEST_P(RangeCasterContract, TakesUnknownCellsForWhatItIsTold) {
   EXPECT_EQ(castOne(*caster, {4.0, 1.5, 0.0}), 0.0);
 }
 
-TEST_P(RangeCasterContract, AnswersPosesThatAreNotFiniteWithMaxRange) {
+TEST_P(RangeCasterContract, GivesMaxRangeForPosesThatAreNotFinite) {
   for (const UnknownIs unknown_is : {UnknownIs::kFree, UnknownIs::kOccupied}) {
     const auto caster = makeCaster(asciiMap(kRoom), 30.0, unknown_is);
     for (const double bad : {kNan, kInfinity, -kInfinity}) {
@@ -156,13 +156,13 @@ TEST_P(RangeCasterContract, WorksOnASingleCell) {
   EXPECT_NEAR(castOne(*makeCaster(asciiMap("#"), 9.0), {-1.5, 0.5, 0.0}), 1.5, tolerance());
 }
 
-TEST_P(RangeCasterContract, AcceptsNothingToDo) {
+TEST_P(RangeCasterContract, AcceptsEmptyBatches) {
   const auto caster = makeCaster(asciiMap(kRoom));
   EXPECT_EQ(castAll(*caster, {}, Eigen::ArrayXf::Zero(3)).size(), 0);
   EXPECT_EQ(castAll(*caster, {{5, 3, 0}}, Eigen::ArrayXf()).size(), 0);
 }
 
-TEST_P(RangeCasterContract, RefusesRangesOfAnotherShape) {
+TEST_P(RangeCasterContract, RejectsRangesOfAnotherShape) {
   const auto caster = makeCaster(asciiMap(kRoom));
   const Poses poses({{5, 3, 0}, {6, 3, 0}});
   const Eigen::ArrayXf bearings = Eigen::ArrayXf::Zero(3);
@@ -171,14 +171,14 @@ TEST_P(RangeCasterContract, RefusesRangesOfAnotherShape) {
   EXPECT_THROW(caster->cast(poses.batch(), bearings, ranges), std::invalid_argument);
 }
 
-TEST_P(RangeCasterContract, TellsItsMemory) {
+TEST_P(RangeCasterContract, ReportsItsMemory) {
   EXPECT_GE(makeCaster(asciiMap(kRoom))->memoryBytes(), 160U);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryCaster, RangeCasterContract, testing::ValuesIn(subjects()),
                          [](const auto& instance) { return instance.param.name; });
 
-TEST(MakeRangeCaster, RefusesAnUnknownName) {
+TEST(MakeRangeCaster, RejectsAnUnknownName) {
   RangeCasterParameters parameters;
   parameters.range_method = "crystal_ball";
   try {
@@ -190,7 +190,7 @@ TEST(MakeRangeCaster, RefusesAnUnknownName) {
   }
 }
 
-TEST(MakeRangeCaster, RefusesARangeThatIsNotPositiveAndFinite) {
+TEST(MakeRangeCaster, RejectsARangeThatIsNotPositiveAndFinite) {
   for (const double bad : {0.0, -1.0, kInfinity, kNan}) {
     RangeCasterParameters parameters;
     parameters.max_range = bad;
@@ -198,7 +198,7 @@ TEST(MakeRangeCaster, RefusesARangeThatIsNotPositiveAndFinite) {
   }
 }
 
-TEST(MakeRangeCaster, KnowsItsDefaultMethod) {
+TEST(MakeRangeCaster, HasItsDefaultMethod) {
   const std::vector<std::string> names = rangeCasterNames();
   EXPECT_NE(std::find(names.begin(), names.end(), RangeCasterParameters().range_method),
             names.end());

@@ -1,4 +1,4 @@
-// What users of the node plug into: every topic and tf, with its type, frame, rate and meaning.
+// Interface of the node: topics and tf, with types, frames, rates and contents.
 #include <geometry_msgs/PoseArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <tf2_ros/transform_listener.h>
@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include "racecar_mcl/errors.h"
-#include "support/ear.h"
+#include "racecar_mcl/common/errors.h"
 #include "support/localization_fixture.h"
+#include "support/message_recorder.h"
 
 namespace racecar_mcl {
 namespace {
@@ -18,7 +18,7 @@ class LocalizationContractTest : public LocalizationTest {
  protected:
   LocalizationContractTest() : tf_listener_(tf_) {}
 
-  /// The pose of a frame in the map as a tf listener sees it.
+  /// The pose of a frame in the map, from a tf listener.
   std::optional<Pose2> inMap(const std::string& frame, const ros::Time& stamp) {
     try {
       const auto transform = tf_.lookupTransform("map", frame, stamp).transform;
@@ -35,7 +35,7 @@ class LocalizationContractTest : public LocalizationTest {
     EXPECT_LT(std::abs(wrapAngle(inMap(frame, stamp)->yaw - car_.baseInMap().yaw)), 0.06);
   }
 
-  /// At the pace of the clock: odometry at 50 Hz and a scan with every second message.
+  /// In real time: odometry at 50 Hz and a scan with every second message.
   void driveLive(double seconds) {
     const ros::WallTime begin = ros::WallTime::now();
     for (int tick = 1; tick <= std::lround(seconds * 50.0); ++tick) {
@@ -58,11 +58,12 @@ TEST_F(LocalizationContractTest, AdvertisesEveryTopicWithItsType) {
   std::map<std::string, std::string> types;
   for (const auto& topic : topics) types[topic.name] = topic.datatype;
   EXPECT_EQ(types[namespace_ + "/pf/pose/odom"], "nav_msgs/Odometry");
-  EXPECT_EQ(types[namespace_ + "/pf/verdict"], "diagnostic_msgs/DiagnosticStatus");
+  EXPECT_EQ(types[namespace_ + "/pf/status"], "diagnostic_msgs/DiagnosticStatus");
   EXPECT_EQ(types[namespace_ + "/pf/viz/inferred_pose"], "geometry_msgs/PoseStamped");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particles"], "geometry_msgs/PoseArray");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particle_markers"], "visualization_msgs/MarkerArray");
   EXPECT_EQ(types[namespace_ + "/pf/viz/clusters"], "visualization_msgs/MarkerArray");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/status"], "visualization_msgs/Marker");
   EXPECT_EQ(types[namespace_ + "/pf/viz/scan"], "sensor_msgs/LaserScan");
   EXPECT_EQ(types[namespace_ + "/pf/viz/fake_scan"], "sensor_msgs/LaserScan");
   EXPECT_EQ(types[namespace_ + "/amcl_pose"], "geometry_msgs/PoseWithCovarianceStamped");
@@ -86,10 +87,10 @@ TEST_F(LocalizationContractTest, PublishesThePoseAtTheRateOfOdometry) {
     EXPECT_EQ(pose.child_frame_id, "base_link");
     EXPECT_NEAR(pose.twist.twist.linear.x, 1.0, 1e-9);
     EXPECT_NEAR(pose.twist.twist.angular.z, 1.0, 1e-9);
-    EXPECT_TRUE(stamps.insert(pose.header.stamp.toSec()).second) << "each stamp once";
+    EXPECT_TRUE(stamps.insert(pose.header.stamp.toSec()).second) << "stamps must be unique";
     EXPECT_GT(pose.header.stamp.toSec(), begin - 0.1);
   }
-  EXPECT_GE(stamps.size(), 90U) << "odometry came at 50 Hz for 2 s";
+  EXPECT_GE(stamps.size(), 90U) << "100 odometry messages";
   expectLocalized();
 }
 
@@ -126,7 +127,7 @@ TEST_F(LocalizationContractTest, TfHoldsForEveryStampAsSoonAsAMessageCarriesIt) 
     ++answered;
     worst = std::max(worst, distance(*seen, car_.baseInMap()));
   }
-  EXPECT_GE(answered, 72) << "of 75; a busy machine delivers a few transforms late";
+  EXPECT_GE(answered, 72) << "of 75; under load some transforms are late";
   EXPECT_LT(worst, 0.1);
   expectCarAt("base_link");
 }
@@ -134,7 +135,7 @@ TEST_F(LocalizationContractTest, TfHoldsForEveryStampAsSoonAsAMessageCarriesIt) 
 TEST_F(LocalizationContractTest, AmclPoseIsLatched) {
   startLocalized();
   drive(0.5);
-  const Ear<geometry_msgs::PoseWithCovarianceStamped> late(handle_, "amcl_pose");
+  const MessageRecorder<geometry_msgs::PoseWithCovarianceStamped> late(handle_, "amcl_pose");
   ASSERT_TRUE(listener_.waitFor([&] { return late.count() > 0; }));
   EXPECT_EQ(late.newest().header.frame_id, "map");
   EXPECT_LT(distance(toPose2(late.newest().pose.pose), car_.baseInMap()), 0.1);
@@ -144,12 +145,13 @@ TEST_F(LocalizationContractTest, AmclPoseIsLatched) {
 TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
   startLocalized();
   drive(1.0);
-  const Ear<geometry_msgs::PoseStamped> pose(handle_, "pf/viz/inferred_pose");
-  const Ear<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
-  const Ear<visualization_msgs::MarkerArray> markers(handle_, "pf/viz/particle_markers");
-  const Ear<visualization_msgs::MarkerArray> clusters(handle_, "pf/viz/clusters");
-  const Ear<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
-  const Ear<sensor_msgs::LaserScan> fake_scan(handle_, "pf/viz/fake_scan");
+  const MessageRecorder<geometry_msgs::PoseStamped> pose(handle_, "pf/viz/inferred_pose");
+  const MessageRecorder<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
+  const MessageRecorder<visualization_msgs::MarkerArray> markers(handle_,
+                                                                 "pf/viz/particle_markers");
+  const MessageRecorder<visualization_msgs::MarkerArray> clusters(handle_, "pf/viz/clusters");
+  const MessageRecorder<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
+  const MessageRecorder<sensor_msgs::LaserScan> fake_scan(handle_, "pf/viz/fake_scan");
   ASSERT_TRUE(listener_.waitFor([&] {
     drive(0.04);
     return pose.count() > 0 && particles.count() > 0 && markers.count() > 0 &&
@@ -163,7 +165,7 @@ TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
   EXPECT_EQ(markers.newest().markers[0].header.frame_id, "map");
   EXPECT_EQ(markers.newest().markers[0].points.size(), markers.newest().markers[0].colors.size());
   const auto& places = clusters.newest().markers;
-  ASSERT_GE(places.size(), 3U) << "one that deletes, and two for each cluster";
+  ASSERT_GE(places.size(), 3U) << "DELETEALL and two markers per cluster";
   EXPECT_EQ(places[0].action, visualization_msgs::Marker::DELETEALL);
   EXPECT_EQ(places[1].header.frame_id, "map");
   EXPECT_EQ(places[1].ns, "means");
@@ -183,11 +185,52 @@ TEST_F(LocalizationContractTest, ShowsParticlesScansAndPoseToThoseWhoLook) {
 TEST_F(LocalizationContractTest, ShowsNothingMoreOftenThanVisualizationRate) {
   parameters_.setParam("visualization_rate", 5.0);
   startLocalized();
-  const Ear<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
+  const MessageRecorder<geometry_msgs::PoseArray> particles(handle_, "pf/viz/particles");
   const ros::WallTime begin = ros::WallTime::now();
   drive(4.0);
   EXPECT_GE(particles.count(), 1);
   EXPECT_LE(particles.count(), 2.0 + 5.0 * (ros::WallTime::now() - begin).toSec());
+}
+
+TEST_F(LocalizationContractTest, RepeatsTheStatusWithNewNumbers) {
+  car_.setStamp(ros::WallTime::now().toSec());
+  startLocalized();
+  driveLive(1.0);
+  const MessageRecorder<diagnostic_msgs::DiagnosticStatus> status(handle_, "pf/status");
+  const MessageRecorder<visualization_msgs::Marker> marker(handle_, "pf/viz/status");
+  driveLive(0.5);
+  const int before = status.count();
+  driveLive(2.0);
+  EXPECT_GE(status.count() - before, 10);
+  EXPECT_LE(status.count() - before, 25);
+  const auto value = [](const diagnostic_msgs::DiagnosticStatus& message, const std::string& key) {
+    for (const auto& pair : message.values) {
+      if (pair.key == key) return pair.value;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(status.newest().message, "localized");
+  EXPECT_GT(std::atof(value(status.newest(), "inlier ratio (%)").c_str()), 50.0);
+  EXPECT_LT(std::atof(value(status.newest(), "protection level along (m)").c_str()), 1.0);
+  EXPECT_EQ(listener_.logged("lost"), 0);
+  EXPECT_EQ(listener_.logged("degraded"), 0);
+  EXPECT_TRUE(listener_.waitForLog("localized"));
+
+  ASSERT_GT(marker.count(), 0);
+  EXPECT_EQ(marker.newest().header.frame_id, "map");
+  EXPECT_EQ(marker.newest().type, visualization_msgs::Marker::TEXT_VIEW_FACING);
+  EXPECT_EQ(marker.newest().text.rfind("localized\ninliers ", 0), 0U) << marker.newest().text;
+  EXPECT_NE(marker.newest().text.find(" m along, "), std::string::npos) << marker.newest().text;
+  EXPECT_LT(distance(toPose2(marker.newest().pose), car_.baseInMap()), 1.5);
+
+  // The reason follows while the state stays.
+  ros::WallDuration(1.6).sleep();
+  ASSERT_TRUE(listener_.waitFor([&] { return status.newest().message == "degraded"; }));
+  const std::string reason = value(status.newest(), "reason");
+  EXPECT_TRUE(listener_.waitFor([&] { return value(status.newest(), "reason") != reason; }));
+  EXPECT_TRUE(listener_.waitForLog("degraded: no usable scan for "));
+  driveLive(1.5);
+  EXPECT_TRUE(listener_.waitForLog("localized again after "));
 }
 
 TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
@@ -202,7 +245,7 @@ TEST_F(LocalizationContractTest, DiagnosticsTellTheStateInNumbers) {
   EXPECT_EQ(status.name, namespace_ + "/localization: localization");
   EXPECT_EQ(listener_.diagnostic("particles"), "300");
   EXPECT_EQ(listener_.diagnostic("beams"), "60");
-  EXPECT_EQ(listener_.diagnostic("sweep order"), "listed");
+  EXPECT_EQ(listener_.diagnostic("scan direction"), "listed");
   EXPECT_GT(std::atof(listener_.diagnostic("effective sample size").c_str()), 1.0);
   EXPECT_GT(std::atof(listener_.diagnostic("position sigma (m)").c_str()), 0.0);
   EXPECT_GT(std::atof(listener_.diagnostic("scan to tf p50 (ms)").c_str()), 0.0);
@@ -216,7 +259,7 @@ TEST_F(LocalizationContractTest, WarnsOnceWhereSomebodyElsePublishesAParentOfBas
     drive(0.1);
     transforms_.sendTransform(car_.baseInOdom());
   }
-  EXPECT_TRUE(listener_.waitForLog("publishes odom -> base_link, and so a second parent"));
+  EXPECT_TRUE(listener_.waitForLog("publishes odom -> base_link, a second parent"));
   EXPECT_TRUE(listener_.waitForLog("tf_mode to map_to_odom and odom_frame to odom"));
   drive(0.2);
   EXPECT_EQ(listener_.logged("a second parent of base_link"), 1);
@@ -291,7 +334,7 @@ TEST_F(LocalizationContractTest, StripsLeadingSlashesOfFrames) {
   car_.laser_frame = "/laser";
   car_.base_frame = "/base_link";
   car_.odom_frame = "/odom";
-  const Ear<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
+  const MessageRecorder<sensor_msgs::LaserScan> scan(handle_, "pf/viz/scan");
   expectStillLocalizes();
   expectCarAt("base_link");
   EXPECT_EQ(listener_.poses().back().header.frame_id, "map");
@@ -301,18 +344,19 @@ TEST_F(LocalizationContractTest, StripsLeadingSlashesOfFrames) {
 
 TEST_F(LocalizationContractTest, HonoursAnUpsideDownLidar) {
   car_.laser_frame = "laser_upside_down";
-  car_.mount.upside_down = true;
+  car_.extrinsics.upside_down = true;
   startLocalized();
   expectStillLocalizes();
 }
 
-/// As beside a simulator, which publishes the truth as map -> base_link.
+/// With a simulator that publishes the truth as map -> base_link.
 class LocalizationBesideTruthTest : public LocalizationContractTest {
  protected:
   void onTick() override {
     geometry_msgs::TransformStamped truth = car_.baseInOdom();
     truth.header.frame_id = "map";
-    truth.transform = toTransform(compose({0.3, -0.2, 0.5}, car_.baseInMap()));  // not ours
+    truth.transform =
+        toTransform(compose({0.3, -0.2, 0.5}, car_.baseInMap()));  // of the other publisher
     transforms_.sendTransform(truth);
   }
 };

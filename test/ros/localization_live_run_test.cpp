@@ -1,4 +1,4 @@
-// The same bag twice: played live through localize.launch, and offline through replay.
+// Compares a bag played live through localize.launch with its offline replay.
 #include "support/localization_listener.h"
 #include "support/process.h"
 #include "support/replay_run.h"
@@ -44,7 +44,8 @@ TEST(LocalizationLiveRunTest, AgreesWithReplayAndWithTheTruth) {
   std::vector<double> from_replay, from_truth;
   for (const nav_msgs::Odometry& live : listener.poses()) {
     const auto stamp = static_cast<Nanoseconds>(live.header.stamp.toNSec());
-    if (stamp < truth.front().stamp + 2000000000) continue;  // both close in from 14 cm off
+    if (stamp < truth.front().stamp + 2000000000)
+      continue;  // both converge from an initial error of 14 cm
     const Pose2 pose = toPose2(live.pose.pose);
     if (const auto other = poseAt(replayed.estimate, stamp, 0.1)) {
       from_replay.push_back(distance(pose, *other));

@@ -1,4 +1,4 @@
-// The localizer as it is run: a nodelet in a manager's process, and a program of its own.
+// The localizer as a nodelet in a manager, and as a program.
 #include <nodelet/NodeletLoad.h>
 #include <nodelet/NodeletUnload.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 const char* const kProgram = RACECAR_MCL_PROGRAM_DIR "/localization_node";
 
-/// Only the car lives in this process.
+/// Only the car is in this process.
 class LocalizationProcessTest : public LocalizationTest {
  protected:
   void publishMount() { static_transforms_.sendTransform(car_.laserInBase()); }
@@ -35,7 +35,7 @@ class LocalizationProcessTest : public LocalizationTest {
 class LocalizationNodeletTest : public LocalizationProcessTest {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(listener_.waitForLogOf(2)) << "the manager's and this one's";
+    ASSERT_TRUE(listener_.waitForLogOf(2)) << "logs of the manager and of this process";
   }
 
   std::string nodelet() const { return namespace_ + "/localization"; }
@@ -93,7 +93,7 @@ TEST_F(LocalizationNodeletTest, ComesAndGoesAmidMessages) {
     EXPECT_TRUE(load());
     const std::size_t before = listener_.scanPoseCount();
     EXPECT_TRUE(listener_.waitFor([&] { return listener_.scanPoseCount() > before; }));
-    EXPECT_TRUE(unload()) << "the manager lives";
+    EXPECT_TRUE(unload()) << "the manager is running";
   }
   driving = false;
   driver.join();
@@ -106,7 +106,7 @@ TEST_F(LocalizationNodeletTest, StaysUnconfiguredWithWrongParametersAndSaysSo) {
   EXPECT_EQ(scans_.getNumSubscribers(), 0U);
   unload();
   parameters_.deleteParam("num_particles");
-  EXPECT_TRUE(load()) << "the manager lives";
+  EXPECT_TRUE(load()) << "the manager is running";
   startHere();
   expectStillLocalizes();
   EXPECT_TRUE(unload());
@@ -117,6 +117,7 @@ class LocalizationProgramTest : public LocalizationProcessTest {};
 TEST_F(LocalizationProgramTest, LocalizesAndEndsWhenAskedTo) {
   publishMount();
   Process program({kProgram, "__name:=localization", "__ns:=" + namespace_});
+  ASSERT_TRUE(listener_.waitForLogOf(3)) << "logs of the program, the manager and this process";
   startHere();
   drive(0.5);
   expectStillLocalizes();
@@ -161,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongParameter{"EqualFrames", {"_particle_filter_frame:=map"}, "must differ"},
         WrongParameter{"NegativeTolerance", {"_transform_tolerance:=-1.0"}, "transform_tolerance"},
         WrongParameter{"HugeSeed", {"_seed:=1e300"}, "seed"},
-        WrongParameter{"NoSilence", {"_max_silence:=0"}, "max_silence is 0"},
+        WrongParameter{"NoSilence", {"_input_timeout:=0"}, "input_timeout is 0"},
         WrongParameter{"NoRate", {"_diagnostics_rate:=0.0"}, "diagnostics_rate is 0"}),
     [](const auto& wrong) { return wrong.param.name; });
 

@@ -1,10 +1,10 @@
-#include "ros/map_conversions.h"
+#include "ros/conversions/map_conversions.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/common/errors.h"
 #include "support/ascii_map.h"
 
 namespace racecar_mcl {
@@ -121,7 +121,10 @@ TEST(MapConversions, RejectMessagesThatAreNoMap) {
   expectRejected([](auto& map) { map.info.resolution = 0.0f; });
   expectRejected([](auto& map) { map.info.resolution = -0.05f; });
   expectRejected([](auto& map) { map.info.resolution = static_cast<float>(kNaN); });
+  expectRejected([](auto& map) { map.info.resolution = 1e38f; });
+  expectRejected([](auto& map) { map.info.resolution = 1e-38f; });
   expectRejected([](auto& map) { map.info.origin.position.x = kNaN; });
+  expectRejected([](auto& map) { map.info.origin.position.y = 1e308; });
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Runs beside a nodelet manager that holds a MapNodelet with test/data/small_map.yaml: see
-// map_nodelet.test.
+// The map nodelet and node. Runs with a nodelet manager that has loaded a MapNodelet with
+// test/data/small_map.yaml: see map_nodelet.test.
 #include <gtest/gtest.h>
 #include <nav_msgs/GetMap.h>
 #include <nav_msgs/OccupancyGrid.h>
@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "ros/map_conversions.h"
+#include "ros/conversions/map_conversions.h"
 #include "support/ascii_map.h"
 #include "support/temporary_directory.h"
 
@@ -28,8 +28,8 @@ const std::string kSmallRoom =
     "######\n";
 
 template <typename Message>
-typename Message::ConstPtr receive(const std::string& topic, ros::Duration patience = kPatience) {
-  return ros::topic::waitForMessage<Message>(topic, patience);
+typename Message::ConstPtr receive(const std::string& topic, ros::Duration max_wait = kPatience) {
+  return ros::topic::waitForMessage<Message>(topic, max_wait);
 }
 
 void loadNodelet(const std::string& name) {
@@ -49,7 +49,7 @@ struct Run {
   std::string output;
 };
 
-/// Runs map_node, which must end by itself, and takes down all it says.
+/// Runs map_node, which must exit by itself, and captures its output.
 Run runMapNode(const std::string& arguments) {
   Run run;
   FILE* pipe = popen(("timeout 20 " + kMapNode + " " + arguments + " 2>&1").c_str(), "r");
@@ -66,10 +66,10 @@ void expectRefused(const std::string& arguments, const std::string& complaint) {
   EXPECT_EQ(run.exit_code, 1) << arguments;
   const std::size_t found = run.output.find(complaint);
   ASSERT_NE(found, std::string::npos) << "'" << complaint << "' not in: " << run.output;
-  EXPECT_EQ(run.output.find(complaint, found + 1), std::string::npos) << "said twice";
+  EXPECT_EQ(run.output.find(complaint, found + 1), std::string::npos) << "reported twice";
 }
 
-std::string describe(const std::string& image) {
+std::string mapYaml(const std::string& image) {
   return "image: " + image +
          "\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
          "free_thresh: 0.196\n";
@@ -83,7 +83,7 @@ TEST(MapNodelet, LatchesTheMap) {
   EXPECT_EQ(toAscii(grid), kSmallRoom);
   EXPECT_EQ(grid.geometry().resolution, 0.1);
   EXPECT_NEAR(grid.geometry().origin.yaw, 3.14, 1e-12);
-  // A subscriber that comes later gets it too.
+  // A later subscriber receives it, too.
   EXPECT_TRUE(receive<nav_msgs::OccupancyGrid>("map"));
 }
 
@@ -116,7 +116,7 @@ TEST(MapNodelet, ServesTheMap) {
 TEST(MapNodelet, ReloadsAnotherMapAndKeepsItWhereTheNextIsBroken) {
   const TemporaryDirectory directory;
   directory.write("other.pgm", "P2\n2 1\n255\n255 0\n");
-  const std::string other = directory.write("other.yaml", describe("other.pgm"));
+  const std::string other = directory.write("other.yaml", mapYaml("other.pgm"));
   ros::param::set("reloaded/yaml_filename", kSmallMap);
   ros::param::set("reloaded/frame_id", "/basement");
   loadNodelet("/reloaded");
@@ -155,8 +155,8 @@ TEST(MapNodelet, StaysUnconfiguredOnABadMapWhileItsManagerLivesOn) {
 TEST(MapNode, ServesTheMapItIsGiven) {
   const TemporaryDirectory directory;
   directory.write("solid.pgm", "P2\n2 1\n255\n0 0\n");
-  const std::string solid = directory.write("solid.yaml", describe("solid.pgm"));
-  // A relative path, as on a command line. The node lives until the test has seen its map.
+  const std::string solid = directory.write("solid.yaml", mapYaml("solid.pgm"));
+  // A relative path, as on a command line. The node runs until the test has received its map.
   const std::string start = "cd " + directory.path().string() + " && { " + kMapNode +
                             " solid.yaml __ns:=/program & echo $! > pid; }";
   ASSERT_EQ(std::system(start.c_str()), 0);
@@ -172,7 +172,7 @@ TEST(MapNode, ServesTheMapItIsGiven) {
 TEST(MapNode, SaysWhyAndEndsWithOneOnABadMap) {
   const TemporaryDirectory directory;
   const std::string broken = directory.write("broken.yaml", "image: [\n");
-  const std::string imageless = directory.write("imageless.yaml", describe("none.pgm"));
+  const std::string imageless = directory.write("imageless.yaml", mapYaml("none.pgm"));
   expectRefused("__name:=a", "/a/yaml_filename is not set");
   expectRefused(broken + " __name:=b", "broken.yaml', line 2, is not valid YAML");
   expectRefused(imageless + " __name:=c", "none.pgm' does not exist");

@@ -1,5 +1,4 @@
-// simulate.launch localize:=true as a user starts it: the car drives a lap by itself and is
-// localized from its start on.
+// simulate.launch localize:=true: the car drives a lap and is localized from the start on.
 #include <nav_msgs/Odometry.h>
 #include <rosgraph_msgs/Clock.h>
 #include <std_msgs/Int32.h>
@@ -7,9 +6,9 @@
 #include <algorithm>
 #include <set>
 
-#include "racecar_mcl/map_io.h"
+#include "racecar_mcl/map/map_io.h"
 #include "sim/lap_counter.h"
-#include "sim/scene.h"
+#include "sim/scenario.h"
 #include "sim/simulator.h"
 #include "support/localization_listener.h"
 
@@ -19,7 +18,7 @@ namespace {
 constexpr double kRealTimeFactor = 2.0;  // as in the .test file
 const char* const kMap = RACECAR_MCL_SOURCE_DIR "/maps/corridor.yaml";
 
-/// Where the car truly was, and how often it ran into something.
+/// The true trajectory and the number of collisions.
 class TruthListener {
  public:
   explicit TruthListener(ros::NodeHandle node)
@@ -104,7 +103,7 @@ TEST(SimulatorLapTest, IsDrivenAndLocalizedFasterThanRealTime) {
   std::vector<double> errors;
   for (const nav_msgs::Odometry& pose : listener.poses()) {
     const double stamp = pose.header.stamp.toSec();
-    if (stamp < first_stamp + 2.0) continue;  // it closes in from where it was told to start
+    if (stamp < first_stamp + 2.0) continue;  // converges from the announced start pose
     if (const auto base_in_map = truth.at(stamp)) {
       errors.push_back(distance(toPose2(pose.pose.pose), *base_in_map));
     }
@@ -118,7 +117,7 @@ TEST(SimulatorLapTest, IsDrivenAndLocalizedFasterThanRealTime) {
   EXPECT_LT(mean, 0.04);
   EXPECT_LT(errors.back(), 0.2);
   EXPECT_EQ(truth.collisions(), 0);
-  EXPECT_GT(factor, 1.2) << "a busy machine may lag, but not by so much";
+  EXPECT_GT(factor, 1.2) << "some lag under load is tolerated";
   EXPECT_LT(factor, 1.1 * kRealTimeFactor);
 
   using Parents = std::set<std::string>;

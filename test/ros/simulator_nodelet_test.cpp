@@ -1,4 +1,4 @@
-// The simulated car as a nodelet beside others, and as a program.
+// The simulator as a nodelet and as a program.
 #include <nodelet/NodeletLoad.h>
 #include <nodelet/NodeletUnload.h>
 #include <sensor_msgs/LaserScan.h>
@@ -14,7 +14,7 @@ class SimulatorNodeletTest : public ::testing::Test {
   SimulatorNodeletTest() : spinner_(1), listener_(node_) {
     spinner_.start();
     EXPECT_TRUE(ros::service::waitForService("/manager/load_nodelet", 20000));
-    EXPECT_TRUE(listener_.waitForLogOf(2)) << "the manager's and this one's";
+    EXPECT_TRUE(listener_.waitForLogOf(2)) << "logs of the manager and of this process";
   }
 
   static bool load(const std::string& name) {

@@ -1,5 +1,5 @@
-// docs/simulator.md against the parameters that the simulator has.
-#include "ros/simulator_parameters.h"
+// docs/simulator.md lists all parameters of the simulator with their defaults.
+#include "ros/simulation/simulator_parameters.h"
 
 #include <gtest/gtest.h>
 
@@ -33,18 +33,12 @@ Texts documentedDefaults() {
   return texts;
 }
 
-template <typename Value>
-std::string textOf(const Value& value) {
-  std::ostringstream text;
-  text << std::boolalpha << value;
-  return text.str();
-}
-
 TEST(SimulatorPage, GivesEveryParameterWithItsDefaultAndNoOthers) {
   Texts defaults;
   const SimulatorNodeParameters parameters;
-  visitParameters(parameters,
-                  [&](const char* name, const auto& value) { defaults[name] = textOf(value); });
+  visitParameters(parameters, [&](const char* name, const auto& value) {
+    defaults[name] = parameterText(value);
+  });
   EXPECT_GT(defaults.size(), 30U);
   EXPECT_EQ(documentedDefaults(), defaults);
 }

@@ -1,7 +1,7 @@
-// What the simulated car hears, and what it says then.
+// Topics and services of the simulator node.
 #include <limits>
 
-#include "racecar_mcl/errors.h"
+#include "racecar_mcl/common/errors.h"
 #include "support/process.h"
 #include "support/simulator_fixture.h"
 
@@ -41,7 +41,7 @@ TEST_F(SimulatorTopicsTest, IsMovedByPlaceAndNotByInitialPose) {
   EXPECT_TRUE(waitFor([&] { return distance(baseInMap(), there) < 1e-6; }));
   EXPECT_NEAR(baseInMap().yaw, 3.0, 1e-6);
   EXPECT_LT(distance(toPose2(odometry_.newest().pose.pose), odometry_before), 0.2)
-      << "wheels do not notice being carried";
+      << "odometry does not measure the displacement";
 }
 
 TEST_F(SimulatorTopicsTest, IsNotPlacedWhereItCannotBe) {
@@ -88,7 +88,8 @@ TEST_F(SimulatorTopicsTest, SeesObstaclesWalkToAndFro) {
       << " to " << furthest;
   EXPECT_GT(nearest, 1.53 - 0.02);
   const int markers = obstacles_.count();
-  EXPECT_TRUE(waitFor([&] { return obstacles_.count() > markers + 3; })) << "they walk in rviz too";
+  EXPECT_TRUE(waitFor([&] { return obstacles_.count() > markers + 3; }))
+      << "markers of moving obstacles are updated";
 }
 
 TEST_F(SimulatorTopicsTest, ObeysTwistsWhileTheyAreFresh) {
@@ -99,7 +100,7 @@ TEST_F(SimulatorTopicsTest, ObeysTwistsWhileTheyAreFresh) {
   }
   EXPECT_NEAR(speed(), 1.0, 1e-6);
   EXPECT_NEAR(truth_.newest().twist.twist.angular.z, 0.5, 1e-3);
-  EXPECT_TRUE(waitFor([&] { return speed() == 0.0; })) << "nobody commands any more";
+  EXPECT_TRUE(waitFor([&] { return speed() == 0.0; })) << "the command has expired";
 }
 
 #ifdef RACECAR_MCL_HAS_ACKERMANN
@@ -176,12 +177,12 @@ TEST_F(SimulatorTopicsTest, KeepsItsParametersWhereNewOnesCannotBe) {
   };
   refuses("speed", -1.0, "speed");
   refuses("speed", std::string("fast"), "expected a number");
-  refuses("driver", std::string("me"), "expected one of auto, commands, wall_follower");
+  refuses("driver", std::string("me"), "expected one of auto wall_follower commands");
   refuses("obstacles", -1, "obstacles");
   refuses("obstacles", 100000, "room for");
   refuses("sped", 1.0, "no parameter 'sped'");
   refuses("real_time_factor", 2.0, "/use_sim_time");
-  refuses("start", std::string("-5 -2.65 0"), "from the simulator's start on");
+  refuses("start", std::string("-5 -2.65 0"), "cannot be changed while the simulator runs");
   EXPECT_TRUE(waitForScans(5));
 }
 
@@ -200,7 +201,7 @@ TEST_F(SimulatorTopicsTest, RefusesToStartWithWhatCannotBe) {
 TEST_F(SimulatorTopicsTest, TellsWhoeverSubscribesToInitialPoseOnceWhereItIs) {
   parameters_.setParam("announce_start", true);
   startNode();
-  const Ear<geometry_msgs::PoseWithCovarianceStamped> first(handle_, "initialpose");
+  const MessageRecorder<geometry_msgs::PoseWithCovarianceStamped> first(handle_, "initialpose");
   ASSERT_TRUE(waitFor([&] { return first.count() > 0; }));
   EXPECT_LT(distance(toPose2(first.newest().pose.pose), start_), 1e-6);
   EXPECT_GT(first.newest().pose.covariance[0], 0.0);
@@ -208,8 +209,8 @@ TEST_F(SimulatorTopicsTest, TellsWhoeverSubscribesToInitialPoseOnceWhereItIs) {
   places_.publish(poseMessage({-5.0, -2.5, 0.0}));
   ASSERT_TRUE(waitFor([&] { return distance(baseInMap(), {-5.0, -2.5, 0.0}) < 1e-6; }));
   Process second({"rostopic", "echo", "-n", "1", namespace_ + "/initialpose"});
-  EXPECT_EQ(second.wait(20.0), 0) << "it has heard one";
-  EXPECT_EQ(first.count(), 1) << "a listener that comes later must not restart the localizer";
+  EXPECT_EQ(second.wait(20.0), 0) << "received one";
+  EXPECT_EQ(first.count(), 1) << "a later subscriber must not restart the localizer";
 }
 
 TEST_F(SimulatorTopicsTest, LeavesOdomTfToOthersWhereAsked) {

@@ -1,10 +1,10 @@
-#include "ros/tf_odometry.h"
+#include "ros/localization/tf_odometry.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "ros/conversions.h"
+#include "ros/conversions/message_conversions.h"
 
 namespace racecar_mcl {
 namespace {
@@ -45,7 +45,7 @@ TEST_F(TfOdometryTest, SaysNothingTwice) {
   EXPECT_FALSE(move(12.5, 1.0));
   EXPECT_FALSE(odometry_.add(transform("base_link", "wheel", 12.6, {}), false));
   EXPECT_FALSE(odometry_.add(transform("map", "odom", 12.6, {}), false));
-  EXPECT_FALSE(move(12.4, 0.9)) << "late, but not by a jump of the clock";
+  EXPECT_FALSE(move(12.4, 0.9)) << "late, but not a time jump";
   EXPECT_TRUE(move(12.6, 1.1));
 }
 
@@ -71,11 +71,23 @@ TEST_F(TfOdometryTest, StartsAgainWhereTheClockJumpsBack) {
     return odometry_.add(transform("odom", "base_footprint", stamp, {x, 0.0, 0.0}), false);
   };
   EXPECT_TRUE(at(100.0, 5.0));
+  EXPECT_FALSE(at(95.9, 0.9)) << "one stamp alone is no jump";
   const auto again = at(96.0, 1.0);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->header.stamp, ros::Time(96.0));
   EXPECT_NEAR(toPose2(again->pose.pose).x, 1.1, 1e-12) << "with the static transform";
   EXPECT_TRUE(at(96.1, 1.2));
+}
+
+TEST_F(TfOdometryTest, OneWrongStampIsDropped) {
+  double stamp = 100.0;
+  EXPECT_TRUE(move(stamp, 1.0));
+  for (const double wrong : {-30.0, -1.5, 1.5, 30.0}) {
+    EXPECT_FALSE(move(stamp + wrong, 1.0));
+    const auto next = move(stamp += 0.02, 1.0);
+    ASSERT_TRUE(next) << wrong;
+    EXPECT_NEAR(next->header.stamp.toSec(), stamp, 1e-6);
+  }
 }
 
 TEST_F(TfOdometryTest, AnOldTransformOfAnotherPartIsNoJumpOfTheClock) {

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The line that ends scripts/test counts what ran, and what should have."""
+"""The last line of scripts/test counts the tests that ran and those that should have."""
 import json
 import subprocess
 import sys

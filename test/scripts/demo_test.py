@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The demo's second part, in a building of the test's own."""
+"""The drive on the map of a real building in scripts/demo, on a map of the test."""
 import contextlib
 import io
 import os
@@ -12,10 +12,10 @@ from unittest import mock
 import numpy
 import rosunit
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from racecar_mcl_eval import EvaluationError, demo, programs, trajectory  # noqa: E402
-from racecar_mcl_eval.grid_map import FREE, OCCUPIED, GridMap, write_map  # noqa: E402
-from racecar_mcl_eval.run import Run, Updates  # noqa: E402
+from racecar_mcl_eval import EvaluationError, demo, programs, trajectory
+from racecar_mcl_eval.columns import INITIALIZING, STATUS
+from racecar_mcl_eval.grid_map import FREE, OCCUPIED, GridMap, write_map
+from racecar_mcl_eval.run import Run, Updates
 
 
 class RealBuilding(unittest.TestCase):
@@ -27,14 +27,14 @@ class RealBuilding(unittest.TestCase):
         self.out.mkdir()
 
     def show(self):
-        """What the part prints."""
+        """The printed lines."""
         with mock.patch.dict(os.environ, {"RACECAR_MCL_DATA": str(self.data)}), \
                 contextlib.redirect_stdout(io.StringIO()) as printed:
             demo.show_real_building(self.out)
         return printed.getvalue().strip().splitlines()
 
     def build(self, shade):
-        """A hall of 16 m by 12 m with a block on one side, round the demo's start."""
+        """A hall of 16 m by 12 m with a block on one side, around the start pose of the demo."""
         x, y, _ = map(float, demo.REAL_START.split())
         cells = numpy.full((240, 320), shade, numpy.uint8)
         cells[[0, -1]], cells[:, [0, -1]], cells[150:, 200:] = OCCUPIED, OCCUPIED, OCCUPIED
@@ -42,24 +42,25 @@ class RealBuilding(unittest.TestCase):
         path.parent.mkdir(parents=True)
         write_map(GridMap("hall", cells, 0.05, (x - 8.0, y - 6.0, 0.0)), path)
 
-    def testWithoutTheMapItSaysNothing(self):
+    def testPrintsNothingWithoutTheMap(self):
         self.assertEqual(self.show(), [])
         self.assertEqual(list(self.out.iterdir()), [])
 
-    def testTellsTheErrorsFromBothStarts(self):
+    def testReportsTheErrorsOfBothInitializations(self):
         self.build(FREE)
         with mock.patch.object(demo, "REAL_DURATION", 5.0):
             first, *starts = self.show()
         self.assertIn("stata_basement.yaml", first)
         self.assertEqual([line.split(":")[0] for line in starts],
-                         ["from the true start", "anywhere on the map"])
-        self.assertRegex(starts[0], r"localized after 0\.\d s; .* error \d\.\d cm on average, \d+\.\d cm at most")
+                         ["true initial pose", "global localization"])
+        self.assertRegex(starts[0], r"localized after 0\.\d s; position error from then on: mean \d\.\d cm, "
+                                    r"max \d+\.\d cm")
 
-    def testADriveThatCannotBeSimulatedIsNoFailure(self):
+    def testAFailedSimulationIsNoError(self):
         self.build(OCCUPIED)
-        self.assertRegex(self.show()[-1], "^not driven: ")
+        self.assertRegex(self.show()[-1], "^simulation failed: ")
 
-    def testAReplayThatFailsIsOne(self):
+    def testAFailedReplayIsAnError(self):
         self.build(FREE)
         run = programs.run
 
@@ -71,19 +72,19 @@ class RealBuilding(unittest.TestCase):
             with self.assertRaisesRegex(EvaluationError, "replay broke"):
                 self.show()
 
-    def testErrorsCountFromWhereTheRunIsFirstCalledLocalized(self):
+    def testErrorsCountFromTheFirstLocalizedUpdate(self):
         stamps = numpy.arange(4) * 10**8
         truth = trajectory.Trajectory(stamps, numpy.zeros((4, 3)))
         poses = numpy.array([(9.0, 0, 0), (8.0, 0, 0), (0.1, 0, 0), (0.3, 0, 0)])
 
-        def told(*verdicts):
-            updates = Updates(stamps, poses, numpy.zeros((4, 3, 3)), {"verdict": numpy.array(verdicts)})
+        def since_localized(*states):
+            updates = Updates(stamps, poses, numpy.zeros((4, 3, 3)), {STATUS: numpy.array(states)})
             return demo.since_localized(Run("run", Path("run"), trajectory.Trajectory(stamps, poses), updates),
                                         truth)
-        self.assertEqual(told("converging", "converging", "localized", "degraded"),
-                         "localized after 0.2 s; from then on position error 20.0 cm on average, "
-                         "30.0 cm at most")
-        self.assertEqual(told(*["converging"] * 4), "never localized")
+        self.assertEqual(since_localized(INITIALIZING, INITIALIZING, "localized", "degraded"),
+                         "localized after 0.2 s; position error from then on: mean 20.0 cm, "
+                         "max 30.0 cm")
+        self.assertEqual(since_localized(*[INITIALIZING] * 4), "never localized")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 #!/usr/bin/python3
-"""scripts/evaluate and scripts/experiments over a simulated drive: against replay, and what their pages
-show."""
+"""scripts/evaluate and scripts/experiments over a simulated drive: agreement with replay, and their reports."""
 import csv
 import subprocess
 import sys
@@ -10,12 +9,11 @@ from pathlib import Path
 
 import rosunit
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-sys.path.insert(0, str(SCRIPTS))
-from racecar_mcl_eval import (EvaluationError, evaluate, grid_map, judgement, programs,  # noqa: E402
-                              scan_fit, trajectory)
-from racecar_mcl_eval.experiments import trouble  # noqa: E402
-from racecar_mcl_eval.run import load_folder  # noqa: E402
+from racecar_mcl_eval import (EvaluationError, assessment, evaluate, grid_map, programs, scan_match,
+                              trajectory)
+from racecar_mcl_eval.columns import BEAM_ORDER, REVERSED
+from racecar_mcl_eval.experiments import fault_injection
+from racecar_mcl_eval.run import load_folder
 
 
 class OnADrive(unittest.TestCase):
@@ -31,7 +29,7 @@ class OnADrive(unittest.TestCase):
         programs.run("simulate_bag", ["--map", cls.map, "--out", cls.bag, "--truth", cls.tum,
                                       "--duration", 5, "--seed", 3])
         cls.replay("good", "--initial-pose-from-truth")
-        # Turned about in another corridor.
+        # In another corridor, with the opposite heading.
         cls.replay("bad", "--initial-pose", "5 11.5 0")
         cls.replay("elsewhere", "--initial-pose-from-truth", map_yaml=cls.wrong_map)
 
@@ -41,17 +39,17 @@ class OnADrive(unittest.TestCase):
 
     @classmethod
     def replay(cls, name, *start, map_yaml=None):
-        # Lost is to stay lost.
+        # Without recovery a lost car stays lost.
         programs.run("replay", ["--bag", cls.bag, "--map", map_yaml or cls.map, "--truth", cls.tum, *start,
-                                "--set", "recovery:=false", "--out", cls.folder / name])
+                                "--set", "relocalization:=start", "--out", cls.folder / name])
 
     def evaluate(self, *arguments):
-        """The page's text."""
+        """The text of the report."""
         page = self.folder / "page"
         self.assertEqual(evaluate.main([*map(str, arguments), "--out", str(page)]), 0)
         return (page / "index.html").read_text(encoding="utf-8")
 
-    def testErrorsAreReplaysOwn(self):
+    def testErrorsEqualThoseOfReplay(self):
         for name in ("good", "bad"):
             run = load_folder(self.folder / name)
             run.set_truth(trajectory.read_tum(self.tum), 0.5)
@@ -64,7 +62,7 @@ class OnADrive(unittest.TestCase):
                 else:
                     self.assertEqual(value, run.summary[key])
 
-    def testPageShowsAtAGlanceWhichRunIsLost(self):
+    def testBannersShowWhichRunsAreLost(self):
         text = self.evaluate(*(self.folder / name for name in ("good", "bad", "elsewhere")),
                              "--map", self.map, "--bag", self.bag)
         banners = text.split('class="banner ')[1:]
@@ -74,39 +72,39 @@ class OnADrive(unittest.TestCase):
         self.assertEqual(text.count("data:image/png;base64,"), len(list((self.folder / "page").glob("*.png"))))
         self.assertNotIn("src=\"http", text)
 
-    def testScansJudgeWithoutATruth(self):
+    def testAssessesByTheScanMatchWithoutATruth(self):
         walls = grid_map.load_map(self.map)
         near = {}
         for name in ("good", "bad"):
             run = load_folder(self.folder / name)
-            fit = scan_fit.measure(run, walls, [self.bag], "/scan", "base_link", None, 0.5)
-            near[name] = fit.near
-            self.assertEqual(judgement.judge(run, None, fit, 0.5).level, name)
+            match = scan_match.measure(run, walls, [self.bag], "/scan", "base_link", None, 0.5)
+            near[name] = match.inlier_ratio
+            self.assertEqual(assessment.assess(run, None, match, 0.5).level, name)
         self.assertGreater(near["good"], 0.95)
         self.assertLess(near["bad"], 0.75)
 
-    def testBeamsArePlacedInTheOrderThatTheRunFound(self):
+    def testPlacesBeamsInTheEstimatedOrder(self):
         run = load_folder(self.folder / "good")
-        self.assertEqual(run.summary["sweep_order"], "listed")
+        self.assertEqual(run.summary[BEAM_ORDER], "listed")
 
         def mean_distance():
-            return scan_fit.measure(run, grid_map.load_map(self.map), [self.bag], "/scan", "base_link",
-                                    None, 0.5).mean
+            return scan_match.measure(run, grid_map.load_map(self.map), [self.bag], "/scan", "base_link",
+                                      None, 0.5).mean_distance
         listed = mean_distance()
-        run.summary["sweep_order"] = "reversed"
+        run.summary[BEAM_ORDER] = REVERSED
         self.assertGreater(mean_distance(), 1.5 * listed)
 
-    def testScansTellTheWrongMapByItself(self):
+    def testScanMatchDetectsTheWrongMap(self):
         run = load_folder(self.folder / "elsewhere")
-        fit = scan_fit.measure(run, grid_map.load_map(self.wrong_map), [self.bag], "/scan", "base_link",
-                               None, 0.5)
-        self.assertEqual(judgement.judge(run, None, fit, 0.5).level, "bad")
+        match = scan_match.measure(run, grid_map.load_map(self.wrong_map), [self.bag], "/scan", "base_link",
+                                   None, 0.5)
+        self.assertEqual(assessment.assess(run, None, match, 0.5).level, "bad")
 
-    def testRecordedEstimateIsReadFromABag(self):
+    def testReadsARecordedEstimateFromABag(self):
         text = self.evaluate(self.bag, "--estimate-topic", "ground_truth/odom", "--map", self.map)
         self.assertIn('banner good', text)
 
-    def testWhatIsMissingIsNamed(self):
+    def testMissingInputIsReported(self):
         for arguments, words in (
                 ([self.folder], "trajectory.tum"),
                 ([self.bag], "/pf/pose/odom"),
@@ -114,7 +112,7 @@ class OnADrive(unittest.TestCase):
                 ([self.folder / "good", "--map", self.tum], "map"),
                 ([self.folder / "good", "--truth", self.tum, "--truth", self.tum], "--truth")):
             page = self.folder / "none"
-            result = subprocess.run([str(SCRIPTS / "evaluate"), *map(str, arguments), "--out", str(page)],
+            result = subprocess.run([str(programs.ROOT / "scripts/evaluate"), *map(str, arguments), "--out", str(page)],
                                     stderr=subprocess.PIPE, check=False)
             self.assertEqual(result.returncode, 1)
             self.assertRegex(result.stderr.decode(), f"^evaluate: error: .*{words}")
@@ -122,14 +120,14 @@ class OnADrive(unittest.TestCase):
 
 
 class Experiments(unittest.TestCase):
-    def testPartsOfThePageAreMadeFromTheirOwnRuns(self):
+    def testSelectedExperimentsAreInTheReport(self):
         with tempfile.TemporaryDirectory() as folder:
-            result = subprocess.run([str(SCRIPTS / "experiments"), "--quick", "--only", "noise", "table",
+            result = subprocess.run([str(programs.ROOT / "scripts/experiments"), "--quick", "--only", "noise", "table",
                                      "particles", "--out", folder], stdout=subprocess.PIPE, check=False)
             self.assertEqual(result.returncode, 0)
             names = {path.name for path in Path(folder).iterdir()}
             self.assertEqual(names, {
-                "index.html", "fig-1-sensor-table.png", "fig-2-3-particles.png", "fig-6-trajectory.png",
+                "index.html", "fig-1-beam-table.png", "fig-2-3-particles.png", "fig-6-trajectory.png",
                 "fig-7-no-noise.png", "fig-8-noise.png", "cross-track.png"})
             text = (Path(folder) / "index.html").read_text(encoding="utf-8")
         self.assertEqual(text.count("data:image/png;base64,"), len(names) - 1)
@@ -137,31 +135,33 @@ class Experiments(unittest.TestCase):
         for words in ("simulate_bag --map maps/corridor.yaml", "--seed 1", "26.2, 27.0, 26.6 cm", "±5°"):
             self.assertIn(words, text)
 
-    def testDrivesWithTroubleLeaveARowEach(self):
+    def testTableHasARowPerFailureScenario(self):
         with tempfile.TemporaryDirectory() as folder:
             table = Path(folder) / "drives.csv"
-            arguments = ["--map", programs.ROOT / "maps/corridor.yaml", "--trouble", "kidnap", "--drives", 2,
+            arguments = ["--map", programs.ROOT / "maps/corridor.yaml", "--fault", "kidnap", "--drives", 2,
                          "--before", 1, "--after", 2]
-            programs.run("evaluate_drives", [*arguments, "--out", table])
+            programs.run("evaluate_scenarios", [*arguments, "--out", table])
             with open(table, newline="", encoding="utf-8") as file:
                 rows = list(csv.DictReader(file))
-            self.assertEqual([(row["trouble"], row["seed"]) for row in rows],
+            self.assertEqual([(row["fault"], row["seed"]) for row in rows],
                              [("kidnap", "1"), ("kidnap", "2")])
-            # Carried away, every drive is found again, but not at once.
-            self.assertTrue(all(0.0 < seconds < 2.0 for seconds in trouble.seconds_until_localized(table)))
+            # Every kidnapped car is localized again after some time.
+            self.assertTrue(all(0.0 < seconds < 2.0 for seconds in fault_injection.seconds_until_localized(table)))
             with self.assertRaisesRegex(EvaluationError, "none/drives.csv: cannot be written"):
-                programs.run("evaluate_drives", [*arguments, "--out", Path(folder) / "none/drives.csv"])
+                programs.run("evaluate_scenarios", [*arguments, "--out", Path(folder) / "none/drives.csv"])
 
-    def testDrivesWithWrongMapsTellTheErrorsAndKeepTheMaps(self):
+    def testTableOfMapFaultsHasTheErrorsAndMapsAreKept(self):
         with tempfile.TemporaryDirectory() as folder:
             table, maps = Path(folder) / "drives.csv", Path(folder) / "maps"
-            programs.run("evaluate_drives",
-                         ["--map", programs.ROOT / "maps/track.yaml", "--trouble", "none", "opponent", "--map-fault", "none",
-                          "distorted", "--drives", 1, "--before", 0.5, "--after", 1, "--out", table, "--write-map", maps])
+            programs.run("evaluate_scenarios",
+                         ["--map", programs.ROOT / "maps/track.yaml", "--fault", "none", "opponent", "--map-fault",
+                          "none", "distorted", "--drives", 1, "--before", 0.5, "--after", 1, "--out", table,
+                          "--write-map", maps])
             with open(table, newline="", encoding="utf-8") as file:
                 rows = list(csv.DictReader(file))
-            self.assertEqual([(row["map_fault"], row["trouble"]) for row in rows],
-                             [(fault, trouble) for fault in ("none", "distorted") for trouble in ("none", "opponent")])
+            self.assertEqual([(row["map_fault"], row["fault"]) for row in rows],
+                             [(map_fault, fault) for map_fault in ("none", "distorted")
+                              for fault in ("none", "opponent")])
             for row in rows:
                 self.assertLessEqual(float(row["mean_error"]), float(row["p99_error"]))
                 self.assertLessEqual(float(row["p99_error"]), float(row["max_error"]))

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The errors that scripts/evaluate tells against those of evo (https://github.com/MichaelGrupp/evo), an
-evaluation of trajectories written apart from it. Skipped where evo is not installed."""
+"""Errors of scripts/evaluate against those of evo (https://github.com/MichaelGrupp/evo), an independent trajectory
+evaluation. Skipped if evo is not installed."""
 import json
 import math
 import shutil
@@ -14,9 +14,7 @@ from pathlib import Path
 import numpy
 import rosunit
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-sys.path.insert(0, str(SCRIPTS))
-from racecar_mcl_eval import programs, trajectory  # noqa: E402
+from racecar_mcl_eval import programs, trajectory
 
 NOT_INSTALLED = "evo is not installed: there is no evo_ape on the PATH"
 
@@ -38,7 +36,7 @@ class EvoAgreement(unittest.TestCase):
         cls.scratch.cleanup()
 
     def evos(self, relation):
-        """evo's statistics of the absolute pose error, not aligned, at stamps that both files have."""
+        """evo's statistics of the absolute pose error, without alignment, at common stamps."""
         results = self.folder / f"{relation}.zip"
         subprocess.run(["evo_ape", "tum", str(self.truth), str(self.estimate), "--pose_relation", relation,
                         "--t_max_diff", "1e-6", "--save_results", str(results), "--no_warnings"],
@@ -53,7 +51,7 @@ class EvoAgreement(unittest.TestCase):
         return trajectory.compare(estimate, trajectory.Trajectory(truth.stamps[shared],
                                                                   truth.poses[shared]))
 
-    def testErrorsAreEvosOnSharedStamps(self):
+    def testErrorsEqualThoseOfEvoAtCommonStamps(self):
         errors = self.ours()
         for relation, ours in (("trans_part", errors.position),
                                ("angle_deg", numpy.degrees(numpy.abs(errors.heading)))):
@@ -72,7 +70,7 @@ def report_skipped(arguments):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(
                 '<testsuite name="evo_agreement_test" tests="1" errors="0" failures="0"><testcase '
-                'classname="EvoAgreement" name="testErrorsAreEvosOnSharedStamps"><skipped message='
+                'classname="EvoAgreement" name="testErrorsEqualThoseOfEvoAtCommonStamps"><skipped message='
                 f'"{NOT_INSTALLED}"/></testcase></testsuite>\n', encoding="utf-8")
 
 

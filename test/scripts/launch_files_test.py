@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Every launch file loads, with its arguments in all their forms, and starts what exists."""
+"""Every launch file loads with its arguments and starts existing programs."""
 import re
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -96,11 +97,11 @@ class LaunchFiles(unittest.TestCase):
                 for path in re.findall(r"-d (\S+)", node.args):
                     self.assertTrue(Path(path).exists(), path)
 
-    def testLocalizesWithoutAMapOfItsOwn(self):
+    def testStartsAMapServerOnlyIfAMapIsGiven(self):
         self.assertNotIn("map_source", nodes(load("localize.launch")))
         self.assertIn("map_source", nodes(load("localize.launch", map=MAP)))
 
-    def testLoadsIntoAManagerThatRuns(self):
+    def testLoadsIntoARunningManager(self):
         alone = nodes(load("localize.launch", map=MAP))
         self.assertIn("localization_manager", alone)
         shared = nodes(load("localize.launch", map=MAP, manager="car_manager"))
@@ -126,15 +127,15 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(parameter(config, "/localization/motion_from"), "tf")
         self.assertEqual(parameter(config, "/localization/initial_pose"), "1 2 3")
 
-    def testReplayTakesAllThatLocalizeDoesButItsManager(self):
+    def testReplayHasTheArgumentsOfLocalizeExceptThoseOfACar(self):
         def arguments(name):
             return {argument.get("name") for argument in ElementTree.parse(LAUNCH / name).findall("arg")
                     if argument.get("value") is None}
-        self.assertLessEqual(arguments("localize.launch") - {"manager"}, arguments("replay_bag.launch"))
+        self.assertLessEqual(arguments("localize.launch") - {"manager", "last_pose_file", "respawn"}, arguments("replay_bag.launch"))
         config = load("replay_bag.launch", bag=self.bag, map=MAP, motion_from="tf")
         self.assertEqual(parameter(config, "/localization/motion_from"), "tf")
 
-    def testReplayTakesTheTfModeThatFitsTheBag(self):
+    def testReplayChoosesTheTfModeByTheBag(self):
         self.assertTrue(parameter(load("replay_bag.launch", bag=self.bag), "/use_sim_time"))
         mode = "/localization/tf_mode"
         self.assertEqual(parameter(load("replay_bag.launch", bag=self.bag), mode), "map_to_odom")
@@ -143,12 +144,24 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(
             parameter(load("replay_bag.launch", bag=self.bag, tf_mode="off"), mode), "off")
 
-    def testRelativePathsStartWhereRoslaunchWasCalled(self):
+    def testAMissingOrDamagedBagIsNamed(self):
+        program = str(ROOT / "nodes/bag_tf_mode")
+        damaged = self.folder / "damaged.bag"
+        damaged.write_text("no bag", encoding="utf-8")
+        for bag, words in ((self.folder / "none.bag", "there is no bag {}; expected"),
+                           (damaged, "the bag {} cannot be read")):
+            result = subprocess.run([program, str(bag)], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn(words.format(bag), result.stderr.decode())
+            with self.assertRaises(roslaunch.core.RLException):
+                load("replay_bag.launch", bag=bag)
+
+    def testRelativePathsStartInTheWorkingDirectory(self):
         player = nodes(load("replay_bag.launch", bag="x.bag", tf_mode="off"))["player"]
         self.assertIn("/x.bag'", player.args)
         self.assertRegex(player.args, r" '/\S+/x\.bag'$")
 
-    def testSimulatesOnAMapOfItsOwnOrOfOthers(self):
+    def testSimulatesOnAnyMap(self):
         name = "/simulator/map"
         self.assertEqual(parameter(load("simulate.launch"), name), MAP)
         self.assertEqual(parameter(load("simulate.launch", map="track"), name),
@@ -158,7 +171,7 @@ class LaunchFiles(unittest.TestCase):
         self.assertRegex(parameter(load("simulate.launch", map="others.yaml"), name),
                          r"^/.+/others\.yaml$")
 
-    def testSimulatesForALocalizerThatIsToldOfTheStartOrNot(self):
+    def testSimulatesWithAndWithoutALocalizer(self):
         config = load("simulate.launch")
         self.assertEqual(set(nodes(config)), {"simulator", "map_source"})
         config = load("simulate.launch", localize="true")
@@ -171,8 +184,8 @@ class LaunchFiles(unittest.TestCase):
         self.assertFalse(parameter(config, "/simulator/publish_odom_tf"))
         self.assertEqual(parameter(config, "/localization/tf_mode"), "map_to_base")
 
-    def testSimulatorsParametersAreOnesItHas(self):
-        source = (ROOT / "src/ros/simulator_parameters.h").read_text(encoding="utf-8")
+    def testSimulatorHasTheParametersThatAreSet(self):
+        source = (ROOT / "src/ros/simulation/simulator_parameters.h").read_text(encoding="utf-8")
         known = set(re.findall(r'visit\("(\w+)"', source))
         given = {name.split("/")[2] for name in load("simulate.launch").params
                  if name.startswith("/simulator/")}
@@ -180,9 +193,9 @@ class LaunchFiles(unittest.TestCase):
         self.assertIn("slip", given)
 
     def assertRvizFits(self, config, topics, tools):
-        """It shows these topics and sends by these tools, and all of them exist."""
+        """Checks the displayed topics and those of the tools, and that the nodes have them."""
         source = "".join(path.read_text(encoding="utf-8")
-                         for path in (ROOT / "src/ros").glob("*.cpp"))
+                         for path in (ROOT / "src/ros").rglob("*.cpp"))
         published = {f"/{topic}" for topic in re.findall(r'advertise<[\w:]+>\(\s*"([\w/]+)"', source)}
         published |= {f"/simulator{topic}" for topic in published}
         subscribed = {f"/{topic}" for topic in re.findall(r'subscribe\(\s*"([\w/]+)"', source)}
@@ -199,7 +212,7 @@ class LaunchFiles(unittest.TestCase):
 
     def testRvizShowsWhatTheLocalizerPublishes(self):
         topics = {"/map", "/pf/viz/particles", "/pf/viz/particle_markers", "/pf/viz/scan",
-                  "/pf/viz/fake_scan", "/pf/viz/clusters", "/pf/pose/odom"}
+                  "/pf/viz/fake_scan", "/pf/viz/clusters", "/pf/viz/status", "/pf/pose/odom"}
         self.assertRvizFits("localization.rviz", topics, {"/initialpose", "/clicked_point"})
         self.assertRvizFits("simulation.rviz", topics | {"/simulator/car", "/simulator/obstacles"},
                             {"/initialpose", "/simulator/place", "/simulator/add_obstacle"})

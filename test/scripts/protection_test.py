@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Whether protection levels hold, against cases worked out by hand, and what the page says of them."""
+"""Evaluation of protection levels against hand-calculated cases, and their section in the report."""
 import contextlib
 import csv
 import io
@@ -13,20 +13,20 @@ from pathlib import Path
 import numpy
 import rosunit
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from racecar_mcl_eval import evaluate, protection, trajectory  # noqa: E402
-from racecar_mcl_eval.run import Run, Updates  # noqa: E402
+from racecar_mcl_eval import evaluate, protection, trajectory
+from racecar_mcl_eval.columns import INLIER_RATIO, STATUS
+from racecar_mcl_eval.run import Run, Updates
 
 SECOND = 10**9  # ns
-ANYTHING = math.inf
+UNBOUNDED = math.inf
 
 
-def run_of(errors, levels, verdicts, yaw=0.0, columns=None):
-    """A run whose updates are off by `errors` (x, y, yaw) of a car that stands still at `yaw`."""
+def run_of(errors, levels, status, yaw=0.0, columns=None):
+    """A run whose updates are off by `errors` (x, y, yaw) of a stationary car with heading `yaw`."""
     stamps = numpy.arange(len(errors)) * SECOND // 10
     truth = numpy.zeros((len(errors), 3)) + (0.0, 0.0, yaw)
     poses = truth + errors
-    columns = dict(columns or {}, verdict=numpy.array(verdicts))
+    columns = {**(columns or {}), STATUS: numpy.array(status)}
     if levels is not None:
         columns.update((f"level_{axis}", numpy.array(of_axis, dtype=float))
                        for axis, of_axis in zip(protection.AXES, zip(*levels)))
@@ -37,45 +37,45 @@ def run_of(errors, levels, verdicts, yaw=0.0, columns=None):
 
 
 class Levels(unittest.TestCase):
-    def testErrorsAreToldAlongAndAcrossTheEstimatedCar(self):
+    def testErrorsAreInTheEstimatedFrame(self):
         run = run_of([(0.2, -0.3, 0.0)], [(1.0, 1.0, 1.0)], ["localized"], yaw=math.pi / 2)
         numpy.testing.assert_allclose(protection.measure(run, 0.5).errors, [(0.3, 0.2, 0.0)], atol=1e-12)
-        # What the car takes for ahead, not what is.
+        # The estimated heading counts, not the true one.
         run = run_of([(0.2, 0.0, math.pi / 2)], [(1.0, 1.0, 1.0)], ["localized"])
         numpy.testing.assert_allclose(protection.measure(run, 0.5).errors, [(0.0, 0.2, math.pi / 2)],
                                       atol=1e-12)
 
     def testUpdatesAboveTheirLevelsAreCounted(self):
         run = run_of([(0.2, 0.0, 0.0), (0.1, 0.0, 0.0), (-0.4, 0.0, 0.0), (5.0, 0.0, 0.0)],
-                     [(0.1, 0.1, 0.1), (0.1, 0.1, 0.1), (0.3, 0.1, 0.1), (ANYTHING, ANYTHING, math.pi)],
+                     [(0.1, 0.1, 0.1), (0.1, 0.1, 0.1), (0.3, 0.1, 0.1), (UNBOUNDED, UNBOUNDED, math.pi)],
                      ["localized", "localized", "degraded", "lost"])
-        told = protection.measure(run, 0.5)
-        self.assertAlmostEqual(told.share_above(0), 2 / 4)
-        self.assertAlmostEqual(told.share_above_while_localized(0), 1 / 2)
-        self.assertEqual(told.share_above(1), 0.0)
-        numpy.testing.assert_allclose(told.medians_while_localized(0), (0.1, 0.15))
+        measured = protection.measure(run, 0.5)
+        self.assertAlmostEqual(measured.fraction_above(0), 2 / 4)
+        self.assertAlmostEqual(measured.fraction_above_while_localized(0), 1 / 2)
+        self.assertEqual(measured.fraction_above(1), 0.0)
+        numpy.testing.assert_allclose(measured.medians_while_localized(0), (0.1, 0.15))
 
     def testEveryUpdateIsInOneRegion(self):
         run = run_of([(0.1, 0.0, 0.0), (0.3, 0.0, 0.0), (0.3, 0.0, 0.0), (9.0, 0.0, 0.0), (9.0, 0.0, 0.0)],
                      [(0.2, 9.0, 3.0), (0.2, 9.0, 3.0), (0.6, 9.0, 3.0), (8.0, 9.0, 3.0), (0.4, 9.0, 3.0)],
                      ["localized"] * 5)
-        told = protection.measure(run, 0.5)
-        self.assertEqual(told.regions(0), {"nominal": 0.2, "misleading": 0.6, "unavailable": 0.2})
-        self.assertEqual(told.regions(1), {"nominal": 0.0, "misleading": 0.0, "unavailable": 1.0})
-        # A level of the heading is never too great.
-        self.assertEqual(told.regions(2), {"nominal": 1.0, "misleading": 0.0, "unavailable": 0.0})
+        measured = protection.measure(run, 0.5)
+        self.assertEqual(measured.regions(0), {"nominal": 0.2, "misleading": 0.6, "unavailable": 0.2})
+        self.assertEqual(measured.regions(1), {"nominal": 0.0, "misleading": 0.0, "unavailable": 1.0})
+        # The heading has no alarm limit.
+        self.assertEqual(measured.regions(2), {"nominal": 1.0, "misleading": 0.0, "unavailable": 0.0})
 
-    def testARunThatWasNeverLocalizedHasNoMedians(self):
-        told = protection.measure(run_of([(1.0, 0.0, 0.0)], [(ANYTHING, ANYTHING, math.pi)], ["lost"]), 0.5)
-        self.assertIsNone(told.medians_while_localized(0))
-        self.assertIsNone(told.share_above_while_localized(0))
+    def testMediansAreNoneIfNeverLocalized(self):
+        measured = protection.measure(run_of([(1.0, 0.0, 0.0)], [(UNBOUNDED, UNBOUNDED, math.pi)], ["lost"]), 0.5)
+        self.assertIsNone(measured.medians_while_localized(0))
+        self.assertIsNone(measured.fraction_above_while_localized(0))
 
-    def testOlderResultsHaveNoLevels(self):
+    def testResultsWithoutLevelsAreAccepted(self):
         self.assertIsNone(protection.measure(run_of([(0.1, 0.0, 0.0)], None, ["localized"]), 0.5))
 
 
-class OnThePage(unittest.TestCase):
-    """evaluate, over folders made by hand as replay leaves them."""
+class InTheReport(unittest.TestCase):
+    """scripts/evaluate over hand-made output folders of replay."""
 
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
@@ -85,7 +85,7 @@ class OnThePage(unittest.TestCase):
         self.truth = numpy.column_stack([0.1 * numpy.arange(40), numpy.zeros(40), numpy.zeros(40)])
 
     def write(self, name, more):
-        """A run 2 cm off; `more`: columns besides those that every version had."""
+        """A run with an error of 2 cm; `more`: columns in addition to those of every version."""
         folder = self.folder / name
         folder.mkdir()
         estimate = trajectory.Trajectory(self.stamps, self.truth + (0.0, 0.02, 0.0))
@@ -106,7 +106,7 @@ class OnThePage(unittest.TestCase):
         return folder
 
     def evaluate(self, *folders):
-        """The page's text, what was printed, and the names of the figures."""
+        """The text of the report, stdout, and the names of the figures."""
         page = self.folder / "page"
         with contextlib.redirect_stdout(io.StringIO()) as printed:
             self.assertEqual(evaluate.main([*map(str, folders), "--truth", str(self.folder / "truth.tum"),
@@ -114,28 +114,28 @@ class OnThePage(unittest.TestCase):
         return ((page / "index.html").read_text(encoding="utf-8"), printed.getvalue(),
                 {path.stem for path in page.glob("*.png")})
 
-    def testLevelsAreShownAndToldPerAxis(self):
-        told = {"explained": 0.9, "obstructed": 0.05, "contradicted": 0.03, "unmapped": 0.02, "conflict": 0.1,
-                "carried": 0.0, "range_bias": 0.0, "level_along": 0.1, "level_across": 0.01,
-                "level_heading": "inf", "verdict": "localized", "reason": "none"}
-        text, printed, figures = self.evaluate(self.write("new", told))
+    def testLevelsAreReportedPerAxis(self):
+        measured = {INLIER_RATIO: 0.9, "obstructed": 0.05, "contradicted": 0.03, "unmapped": 0.02, "conflict": 0.1,
+                    "carried": 0.0, "range_bias": 0.0, "level_along": 0.1, "level_across": 0.01,
+                    "level_heading": "inf", STATUS: "localized", "reason": "none"}
+        text, printed, figures = self.evaluate(self.write("new", measured))
         self.assertIn("0.00 % along, 100.00 % across, 0.00 % heading", printed)
         self.assertIn("Protection level", text)
         self.assertIn('<td class="bad">100.00</td>', text)
         self.assertIn("<td>0.010 m</td><td>0.020 m</td><td>0.5</td>", text)
         self.assertLessEqual({"stanford-1", "status-1"}, figures)
 
-    def testOlderResultsAreShownBesideNewOnes(self):
+    def testOlderResultsAreComparedWithNewOnes(self):
         levels = {f"level_{axis}": 0.5 for axis in protection.AXES}
         text, printed, figures = self.evaluate(
-            self.write("oldest", {}), self.write("older", {"explained": 0.9, "verdict": "degraded"}),
-            self.write("new", {"verdict": "localized", **levels}))
+            self.write("oldest", {}), self.write("older", {INLIER_RATIO: 0.9, STATUS: "degraded"}),
+            self.write("new", {STATUS: "localized", **levels}))
         self.assertEqual(figures & {f"{kind}-{index}" for kind in ("stanford", "status") for index in (1, 2, 3)},
                          {"status-2", "stanford-3", "status-3"})
-        self.assertEqual(printed.count("above its level"), 1)
+        self.assertEqual(printed.count("above the level"), 1)
 
-    def testWithoutLevelsThePageSaysNothingOfThem(self):
-        text, printed, _ = self.evaluate(self.write("old", {"verdict": "lost"}))
+    def testWithoutLevelsTheSectionIsMissing(self):
+        text, printed, _ = self.evaluate(self.write("old", {STATUS: "lost"}))
         self.assertNotIn("Protection level", text)
         self.assertNotIn("level", printed)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A graph leaves no process behind, however it ends."""
+"""A ROS graph leaves no processes behind."""
 import os
 import sys
 import tempfile
@@ -9,13 +9,12 @@ from pathlib import Path
 
 import rosunit
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from racecar_mcl_eval.ros_graph import RosGraph, children_of  # noqa: E402
+from racecar_mcl_eval.ros_graph import RosGraph, descendants_of
 
 
 def alive(pid):
     try:
-        # A zombie has ended; only its parent has not noticed.
+        # A zombie has ended.
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
@@ -33,27 +32,27 @@ class RosGraphLifetime(unittest.TestCase):
     def waitForNodes(self, graph):
         deadline = time.monotonic() + 30.0
         while time.monotonic() < deadline:
-            started = children_of(graph.process.pid)
+            started = descendants_of(graph.process.pid)
             # roscore's master, rosout, the manager and the localization nodelet
             if len(started) >= 4:
                 return started
             time.sleep(0.1)
         self.fail(f"the graph did not come up: {graph.log.read_text()}")
 
-    def testEndsAllItsProcessesWhenLeftByAnError(self):
+    def testEndsAllProcessesAfterAnException(self):
         with self.assertRaises(KeyboardInterrupt):
             with self.startGraph() as graph:
                 started = self.waitForNodes(graph)
                 raise KeyboardInterrupt
         self.assertFalse([pid for pid in started + [graph.process.pid] if alive(pid)])
 
-    def testSaysWhenItDidNotEndInTime(self):
+    def testWaitTimesOut(self):
         with self.startGraph() as graph:
             self.assertFalse(graph.wait(0.5))
 
-    def testChildrenAreFoundThroughAllGenerations(self):
-        self.assertIn(os.getpid(), children_of(os.getppid()))
-        self.assertNotIn(os.getpid(), children_of(os.getpid()))
+    def testDescendantsIncludeGrandchildren(self):
+        self.assertIn(os.getpid(), descendants_of(os.getppid()))
+        self.assertNotIn(os.getpid(), descendants_of(os.getpid()))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-// Maps as they look: '#' occupied, '.' free, '?' unknown; the top line is the highest row.
+// Maps as text: '#' occupied, '.' free, '?' unknown; the top line is the highest row.
 #pragma once
 
 #include <sstream>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/map/occupancy_grid.h"
 
 namespace racecar_mcl {
 
@@ -46,7 +46,7 @@ inline OccupancyGrid asciiMap(const std::string& drawing, double resolution = 1.
                        std::move(cells));
 }
 
-/// The drawing of a grid, one line per row, so that two grids compare as text a person can read.
+/// The text of a grid, one line per row, for readable comparisons.
 inline std::string toAscii(const OccupancyGrid& grid) {
   std::string drawing;
   for (int row = grid.geometry().height - 1; row >= 0; --row) {

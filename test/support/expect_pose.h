@@ -1,9 +1,9 @@
-// Poses compared, yaw round the circle.
+// Comparison of poses; yaw modulo a full turn.
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include "racecar_mcl/pose.h"
+#include "racecar_mcl/geometry/pose2.h"
 
 namespace racecar_mcl {
 

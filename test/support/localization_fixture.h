@@ -1,4 +1,4 @@
-// A localization node of its own for every test, in this process, with a synthetic car beside it.
+// Test fixture with a localization node in this process and a synthetic car.
 #pragma once
 
 #include <geometry_msgs/PointStamped.h>
@@ -12,15 +12,15 @@
 #include <memory>
 #include <string>
 
-#include "ros/localization_node.h"
-#include "ros/map_conversions.h"
+#include "ros/conversions/map_conversions.h"
+#include "ros/localization/localization_node.h"
 #include "support/localization_listener.h"
 #include "support/synthetic_car.h"
 
 namespace racecar_mcl {
 
-/// The node's callbacks run in one thread, as a nodelet's do; the listener's in another. Topics and
-/// parameters lie in a namespace of the test's name.
+/// The node's callbacks run in one thread, as those of a nodelet; the listener's in another. Topics
+/// and parameters are in a namespace with the test's name.
 class LocalizationTest : public ::testing::Test {
  protected:
   LocalizationTest()
@@ -65,7 +65,7 @@ class LocalizationTest : public ::testing::Test {
     map_.publish(toMessage(grid, "map", ros::Time(1.0)));
   }
 
-  /// A start pose as rviz sends it.
+  /// A start pose, as sent by rviz.
   static geometry_msgs::PoseWithCovarianceStamped startMessage(const Pose2& base_in_map,
                                                                double sigma = 0.1) {
     geometry_msgs::PoseWithCovarianceStamped message;
@@ -75,7 +75,7 @@ class LocalizationTest : public ::testing::Test {
     return message;
   }
 
-  /// The node with the room's map, localizing from where the car is.
+  /// Starts the node with the room's map at the car's pose.
   void startLocalized() {
     startNode();
     publishMap();
@@ -85,11 +85,11 @@ class LocalizationTest : public ::testing::Test {
     ASSERT_TRUE(listener_.waitFor([&] { return listener_.logged("localizing from") > starts; }));
   }
 
-  /// Called with each step of a drive, before its messages.
+  /// Called at each step of a drive, before its messages.
   virtual void onTick() {}
 
-  /// Odometry at 50 Hz of the car's time and a scan with every second message, as fast as the node
-  /// answers them. Returns the number of scans that it used.
+  /// Sends odometry at 50 Hz of simulated time and a scan with every second message, as fast as the
+  /// node answers. Returns the number of answered scans.
   int drive(double seconds) {
     int answered = 0;
     for (int tick = 1; tick <= std::lround(seconds * 50.0); ++tick) {
@@ -101,14 +101,14 @@ class LocalizationTest : public ::testing::Test {
     return answered;
   }
 
-  /// Whether the node used the scan.
-  bool sendScan(const sensor_msgs::LaserScan& scan, double patience = 0.5) {
+  /// Whether the node answered the scan with a pose.
+  bool sendScan(const sensor_msgs::LaserScan& scan, double max_wait = 0.5) {
     const std::size_t before = listener_.scanPoseCount();
     scans_.publish(scan);
-    return listener_.waitFor([&] { return listener_.scanPoseCount() > before; }, patience);
+    return listener_.waitFor([&] { return listener_.scanPoseCount() > before; }, max_wait);
   }
 
-  /// After whatever a test did: the car drives on and the node knows where it is.
+  /// Continues the drive and expects the node to be localized.
   void expectStillLocalizes(double tolerance = 0.10) {
     EXPECT_GT(drive(1.0), 20);
     expectLocalized(tolerance);

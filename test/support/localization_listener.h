@@ -1,4 +1,4 @@
-// Hears everything that the localizer tells the ROS graph, and checks what must always hold.
+// Records all outputs of the localization node and checks invariants, such as finite poses.
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
-#include "ros/conversions.h"
+#include "ros/conversions/message_conversions.h"
 
 namespace racecar_mcl {
 
-/// Its callbacks run in the threads of whoever spins the handle's queue.
+/// Callbacks run in the threads that process the handle's queue.
 class LocalizationListener {
   template <typename Read>
   auto locked(const Read& read) const {
@@ -87,21 +87,21 @@ class LocalizationListener {
     });
   }
 
-  /// Waits until `holds` does, looked at after each message.
+  /// Waits until `holds` returns true; checked after each message.
   bool waitFor(const std::function<bool()>& holds, double seconds = 5.0) const {
     const auto end = std::chrono::steady_clock::now() +
                      std::chrono::microseconds(static_cast<std::int64_t>(1e6 * seconds));
     while (!holds()) {
       std::unique_lock<std::mutex> lock(mutex_);
       if (std::chrono::steady_clock::now() > end) return false;
-      news_.wait_for(lock, std::chrono::milliseconds(5));
+      message_arrived_.wait_for(lock, std::chrono::milliseconds(5));
     }
     return true;
   }
   bool waitForLog(const std::string& words) const {
     return waitFor([&] { return logged(words) > 0; });
   }
-  /// Until the log of so many processes is heard: what a process says before is lost.
+  /// Waits until the logs of this many processes are connected; earlier log messages are lost.
   bool waitForLogOf(std::uint32_t processes) const {
     return waitFor([&] { return log_subscriber_.getNumPublishers() >= processes; });
   }
@@ -125,7 +125,7 @@ class LocalizationListener {
       const std::lock_guard<std::mutex> lock(mutex_);
       list->push_back(message);
     }
-    news_.notify_all();
+    message_arrived_.notify_all();
   }
 
   static void expectSane(const geometry_msgs::PoseWithCovariance& pose) {
@@ -162,12 +162,12 @@ class LocalizationListener {
         if (status.name.rfind(namespace_, 0) == 0) diagnostics_ = status;
       }
     }
-    news_.notify_all();
+    message_arrived_.notify_all();
   }
 
   std::string namespace_;
   mutable std::mutex mutex_;
-  mutable std::condition_variable news_;
+  mutable std::condition_variable message_arrived_;
   std::vector<nav_msgs::Odometry> poses_;
   std::vector<geometry_msgs::PoseWithCovarianceStamped> amcl_poses_;
   std::vector<geometry_msgs::TransformStamped> transforms_;

@@ -1,4 +1,4 @@
-// A localizer in a room, and a car that drives there.
+// A localizer and a car in a room.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <limits>
 #include <memory>
 
-#include "racecar_mcl/localizer.h"
+#include "racecar_mcl/localizer/localizer.h"
+#include "support/analytic_room.h"
 #include "support/expect_pose.h"
-#include "support/room.h"
 
 namespace racecar_mcl {
 
@@ -21,20 +21,20 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kOdometryPeriod = 0.02;  // s
 constexpr double kScanPeriod = 0.025;     // s
 
-/// Not the defaults, which are tuned for other places than this bare room.
+/// Parameters for a room without features; the defaults are tuned for other maps.
 inline LocalizerParameters fewBeams() {
   LocalizerParameters parameters;
-  parameters.calibration.calibration_distance = 0.0;  // motions are to be exact
-  parameters.sensor.sensor_model = SensorModel::kBeam;
-  parameters.scan_field_of_view = 4.71;
+  parameters.calibration.calibration_distance = 0.0;  // exact motions
+  parameters.sensor.sensor_model = SensorModelType::kBeam;
+  parameters.scan.scan_field_of_view = 4.71;
   parameters.motion.motion_model = MotionNoise::kAckermann;
-  parameters.motion.along_per_metre = 0.1;
-  parameters.motion.across_per_metre = 0.05;
-  parameters.motion.yaw_per_metre = 0.05;
-  parameters.motion.yaw_per_radian = 0.1;
-  parameters.num_beams_per_particle = 40;
-  parameters.min_beams = 10;
-  parameters.parked_updates = 5;
+  parameters.motion.longitudinal_noise_from_translation = 0.1;
+  parameters.motion.lateral_noise_from_translation = 0.05;
+  parameters.motion.yaw_noise_from_translation = 0.05;
+  parameters.motion.yaw_noise_from_rotation = 0.1;
+  parameters.scan.num_beams_per_particle = 40;
+  parameters.scan.min_beams = 10;
+  parameters.stationary_updates = 5;
   parameters.filter.estimate = EstimateFrom::kMean;
   return parameters;
 }
@@ -50,7 +50,7 @@ inline PoseEstimate startAt(const Pose2& pose, double sigma = 0.1) {
   return {pose, sigma * sigma * Eigen::Matrix3d::Identity()};
 }
 
-/// A car that drives a circle in a room of 8 x 5 m from time `start_` on.
+/// A car that drives a circle in a room of 8 x 5 m, starting at time `start_`.
 class LocalizerTest : public testing::Test {
  protected:
   Room room_;
@@ -69,8 +69,9 @@ class LocalizerTest : public testing::Test {
 
   OdometrySample odometryAt(double stamp) const { return {stamp, twist_, {}}; }
 
-  std::shared_ptr<MapModel> map(const LocalizerParameters& parameters = fewBeams()) const {
-    return makeMapModel(room_.grid(), parameters);
+  std::shared_ptr<const LocalizationMap> map(
+      const LocalizerParameters& parameters = fewBeams()) const {
+    return makeLocalizationMap(room_.grid(), parameters);
   }
 
   Localizer started(const LocalizerParameters& parameters = fewBeams(),
@@ -95,7 +96,7 @@ class LocalizerTest : public testing::Test {
         localizer->addOdometry(odometryAt(start_ + next_odometry));
         ++odometry;
       } else {
-        const ScanResult result = localizer->addScan(scanAt(start_ + next_scan));
+        const ScanResult result = localizer->update(scanAt(start_ + next_scan));
         if (each) each(result);
         ++scan;
       }

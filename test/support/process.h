@@ -1,4 +1,4 @@
-// A program that runs beside the test and ends with it.
+// A child process that ends with the test.
 #pragma once
 
 #include <signal.h>
@@ -14,7 +14,7 @@ namespace racecar_mcl {
 
 class Process {
  public:
-  /// The program, looked up in PATH where it is no path, and its arguments.
+  /// The program (a path, or looked up in PATH) and its arguments.
   explicit Process(const std::vector<std::string>& command) {
     std::vector<char*> words;
     for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
@@ -26,7 +26,7 @@ class Process {
     }
   }
   ~Process() {
-    if (pid_ > 0 && interrupt() == kStubborn) {
+    if (pid_ > 0 && interrupt() == kStillRunning) {
       kill(pid_, SIGKILL);
       waitpid(pid_, nullptr, 0);
     }
@@ -34,20 +34,20 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  static constexpr int kStubborn = -2;
+  static constexpr int kStillRunning = -2;
 
-  /// Asks it to end as Ctrl-C does; as `wait`.
+  /// Sends SIGINT; returns as `wait`.
   int interrupt(double seconds = 20.0) {
     kill(pid_, SIGINT);
     return wait(seconds);
   }
 
-  /// Its exit code once it has ended, -1 where a signal ended it, kStubborn where it still runs.
+  /// The exit code, -1 if a signal ended the process, kStillRunning after `seconds`.
   int wait(double seconds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     int status = 0;
     while (waitpid(pid_, &status, WNOHANG) == 0) {
-      if (std::chrono::steady_clock::now() > end) return kStubborn;
+      if (std::chrono::steady_clock::now() > end) return kStillRunning;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
     pid_ = -1;

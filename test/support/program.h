@@ -1,4 +1,4 @@
-// Runs one of the package's programs and keeps what it says.
+// Runs a program and captures its output.
 #pragma once
 
 #include <sys/wait.h>

@@ -1,4 +1,4 @@
-// Runs `replay` and reads back what it wrote.
+// Runs `replay` and reads its output.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ inline std::map<std::string, std::vector<std::string>> readCsv(const std::string
   return columns;
 }
 
-/// Fails the test where the program does.
+/// Fails the test if the program fails.
 inline ReplayedRun runReplay(std::vector<std::string> arguments) {
   const TemporaryDirectory folder;
   const std::string out = (folder.path() / "out").string();

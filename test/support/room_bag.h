@@ -1,4 +1,4 @@
-// A drive through a room, recorded as a bag: small, exact, and made anew for every test.
+// A bag of a drive through a room, generated for every test, without noise.
 #pragma once
 
 #include <nav_msgs/Odometry.h>
@@ -10,19 +10,19 @@
 #include <limits>
 #include <string>
 
-#include "racecar_mcl/pose.h"
-#include "ros/conversions.h"
+#include "racecar_mcl/geometry/pose2.h"
+#include "ros/conversions/message_conversions.h"
 
 namespace racecar_mcl {
 
 /// A room of 6 x 4 m whose lower-left inner corner is the map's origin, with a step in one wall so
-/// that no two places look alike. The car drives along x at 1 m/s and turns slightly.
+/// that the map is unambiguous. The car drives along x at 1 m/s and turns slightly.
 struct RoomDrive {
   double start_time = 1500000000.0;  ///< s
   double seconds = 4.0;
   double begin = 0.0;  ///< s of the drive, from where the bag records
   Pose2 laser_in_base{0.25, 0.0, 0.0};
-  std::string frame_prefix;  ///< "/" for the names old drivers give
+  std::string frame_prefix;  ///< "/" for the frame names of old drivers
   bool transforms = true;
   bool truth = true;
   bool odometry_as_tf = false;  ///< not as a topic
@@ -46,7 +46,7 @@ inline double rangeInRoom(double x, double y, double yaw) {
   return range;
 }
 
-/// The room as map_server's PGM; one ring of cells is wall.
+/// The room as a PGM of map_server; the outermost ring of cells is the wall.
 inline std::string roomPgm() {
   const int width = 122, height = 82;
   std::string image = "P5 122 82 255\n";
@@ -66,7 +66,7 @@ inline std::string roomYaml() {
          "occupied_thresh: 0.65\nfree_thresh: 0.196\n";
 }
 
-/// Where the car truly is after some seconds.
+/// The true pose of the car after `seconds`.
 inline Pose2 poseInRoom(double seconds) {
   return compose({0.8, 1.0, 0.1}, integrate({1.0, 0.0, 0.1}, seconds));
 }

@@ -1,4 +1,4 @@
-// A simulator node of its own for every test, in this process, and ears for what it publishes.
+// A simulator node in the test's process, and recorders of its topics.
 #pragma once
 
 #include <geometry_msgs/PointStamped.h>
@@ -24,9 +24,9 @@
 #include <thread>
 #include <vector>
 
-#include "ros/conversions.h"
-#include "ros/simulator_node.h"
-#include "support/ear.h"
+#include "ros/conversions/message_conversions.h"
+#include "ros/simulation/simulator_node.h"
+#include "support/message_recorder.h"
 
 namespace racecar_mcl {
 
@@ -53,7 +53,7 @@ class SimulatorTest : public ::testing::Test {
             handle_.advertise<geometry_msgs::PoseStamped>("simulator/add_moving_obstacle", 5)) {
     parameters_.setParam("map", std::string(RACECAR_MCL_SOURCE_DIR "/maps/corridor.yaml"));
     parameters_.setParam("driver", std::string("commands"));
-    // Enough to see by, and quick under a sanitizer too.
+    // Few beams, so that tests are fast with sanitizers.
     parameters_.setParam("scan_beams", 61);
     parameters_.setParam("range_noise", 0.0);
     parameters_.setParam("missing_rate", 0.0);
@@ -91,7 +91,7 @@ class SimulatorTest : public ::testing::Test {
     return true;
   }
 
-  /// Until whatever was asked before can be seen in what comes: `scans` more of them.
+  /// Waits for `scans` more scans, so that earlier requests have taken effect.
   bool waitForScans(int scans) {
     const int before = scan_.count();
     return waitFor([&] { return scan_.count() >= before + scans; });
@@ -100,7 +100,7 @@ class SimulatorTest : public ::testing::Test {
   Pose2 baseInMap() const { return toPose2(truth_.newest().pose.pose); }
   double speed() const { return truth_.newest().twist.twist.linear.x; }
 
-  /// m, along the beam that looks straight ahead.
+  /// The range of the beam straight ahead, m.
   double rangeAhead() const {
     const sensor_msgs::LaserScan scan = scan_.newest();
     return static_cast<double>(scan.ranges.at(scan.ranges.size() / 2));
@@ -139,11 +139,11 @@ class SimulatorTest : public ::testing::Test {
   const std::string namespace_;
   ros::NodeHandle handle_;
   ros::NodeHandle parameters_;
-  Ear<nav_msgs::Odometry> truth_;
-  Ear<nav_msgs::Odometry> odometry_;
-  Ear<sensor_msgs::LaserScan> scan_;
-  Ear<visualization_msgs::MarkerArray> obstacles_;
-  Ear<std_msgs::Int32> collisions_;
+  MessageRecorder<nav_msgs::Odometry> truth_;
+  MessageRecorder<nav_msgs::Odometry> odometry_;
+  MessageRecorder<sensor_msgs::LaserScan> scan_;
+  MessageRecorder<visualization_msgs::MarkerArray> obstacles_;
+  MessageRecorder<std_msgs::Int32> collisions_;
   ros::AsyncSpinner spinner_;
   ros::CallbackQueue node_queue_;
   ros::AsyncSpinner node_spinner_;

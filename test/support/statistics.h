@@ -1,15 +1,14 @@
-// Moments of samples, and the bounds that chance allows them.
+// Sample moments and their confidence bounds.
 #pragma once
 
 #include <Eigen/Core>
 #include <cmath>
 
-#include "racecar_mcl/particles.h"
+#include "racecar_mcl/geometry/particle_set.h"
 
 namespace racecar_mcl {
 
-/// Mean and covariance of (x, y, yaw) over a set, every particle counted alike. Only for yaws that
-/// do not wrap.
+/// Unweighted mean and covariance of (x, y, yaw) of a set. Only for yaws that do not wrap.
 struct SetMoments {
   Eigen::Vector3d mean;
   Eigen::Matrix3d covariance;
@@ -26,8 +25,8 @@ inline SetMoments momentsOf(const ParticleSet& particles) {
   return moments;
 }
 
-/// By how much the variance of `count` normal samples may miss the true one, as a ratio, at five
-/// standard deviations of the chi-squared distribution with count - 1 degrees of freedom.
+/// Relative tolerance of the variance of `count` normal samples: five standard deviations of the
+/// chi-squared distribution with count - 1 degrees of freedom.
 inline double varianceTolerance(double count) { return 5.0 * std::sqrt(2.0 / (count - 1.0)); }
 
 }  // namespace racecar_mcl

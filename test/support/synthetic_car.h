@@ -1,4 +1,4 @@
-// A car that drives circles in the test room, and the messages that it would send.
+// A car that drives circles in the test room, and its messages.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -8,8 +8,8 @@
 #include <limits>
 #include <string>
 
-#include "racecar_mcl/pose.h"
-#include "ros/conversions.h"
+#include "racecar_mcl/geometry/pose2.h"
+#include "ros/conversions/message_conversions.h"
 #include "sim/world.h"
 #include "support/test_room.h"
 
@@ -20,8 +20,8 @@ class SyntheticCar {
   std::string laser_frame = "laser";
   std::string base_frame = "base_link";
   std::string odom_frame = "odom";
-  LaserMount mount{{0.25, 0.05, 0.1}, false};
-  Twist2 twist{1.0, 0.0, 1.0};  ///< a circle of 1 m round the room's middle
+  LidarExtrinsics extrinsics{{0.25, 0.05, 0.1}, false};
+  Twist2 twist{1.0, 0.0, 1.0};  ///< a circle of 1 m around the centre of the room
   double range_max = 10.0;
 
   explicit SyntheticCar(double stamp) : stamp_(stamp) {}
@@ -62,8 +62,8 @@ class SyntheticCar {
     geometry_msgs::TransformStamped transform;
     transform.header.frame_id = base_frame;
     transform.child_frame_id = laser_frame;
-    transform.transform = toTransform(mount.laser_in_base);
-    if (mount.upside_down) {  // turned by its yaw, then by pi about its x axis
+    transform.transform = toTransform(extrinsics.laser_in_base);
+    if (extrinsics.upside_down) {  // rotated by its yaw, then by pi about its x axis
       const geometry_msgs::Quaternion yaw = transform.transform.rotation;
       transform.transform.rotation.x = yaw.w;
       transform.transform.rotation.y = yaw.z;
@@ -83,11 +83,11 @@ class SyntheticCar {
     message.angle_increment = 4.7f / static_cast<float>(beams - 1);
     message.range_min = 0.05f;
     message.range_max = static_cast<float>(range_max);
-    const Pose2 laser = compose(base_in_map_, mount.laser_in_base);
+    const Pose2 laser = compose(base_in_map_, extrinsics.laser_in_base);
     for (int i = 0; i < beams; ++i) {
       const double bearing =
           static_cast<double>(message.angle_min) + i * static_cast<double>(message.angle_increment);
-      const double yaw = laser.yaw + (mount.upside_down ? -bearing : bearing);
+      const double yaw = laser.yaw + (extrinsics.upside_down ? -bearing : bearing);
       message.ranges.push_back(
           static_cast<float>(world_.castWalls({laser.x, laser.y}, yaw, range_max)));
     }

@@ -1,4 +1,4 @@
-// A folder for a test's own files, gone when the test ends.
+// A temporary directory that is removed when the test ends.
 #pragma once
 
 #include <cstdlib>
@@ -25,7 +25,7 @@ class TemporaryDirectory {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file, with the folders it lies in, and returns its path.
+  /// Writes a file, creating its parent directories, and returns its path.
   std::string write(const std::string& name, const std::string& content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

@@ -1,4 +1,4 @@
-// A room to localize in: every place in it looks different, and its map lies askew.
+// A room for localization tests: unambiguous, with a rotated map.
 #pragma once
 
 #include <cmath>
@@ -6,12 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "racecar_mcl/occupancy_grid.h"
+#include "racecar_mcl/map/occupancy_grid.h"
 
 namespace racecar_mcl {
 
-/// The room's own corner in the map frame. A localizer that ignores the yaw of a map's origin fails
-/// every test here.
+/// The room's corner in the map frame. The origin has a yaw, so that ignoring it fails every test.
 inline Pose2 roomInMap() { return {-1.0, -2.0, 0.3}; }
 
 /// 8 x 6 m with a corner cut off, a stub of a wall and a pillar; walls lie on the borders of cells,

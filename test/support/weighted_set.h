@@ -1,11 +1,11 @@
-// Particle sets written down by hand.
+// Particle sets defined by hand.
 #pragma once
 
 #include <cmath>
 #include <vector>
 
-#include "racecar_mcl/particles.h"
-#include "racecar_mcl/random.h"
+#include "racecar_mcl/common/random.h"
+#include "racecar_mcl/geometry/particle_set.h"
 
 namespace racecar_mcl {
 

@@ -1,5 +1,5 @@
-// Tracking allocates nothing from the second update on. A program of its own, for it takes the
-// place of malloc, which everything else goes through: operator new and Eigen's arrays.
+// Tracking allocates no memory from the second update on. A program of its own, because it replaces
+// malloc, which operator new and Eigen use.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,13 +9,15 @@
 #include <opencv2/core/utility.hpp>
 #include <string>
 
-#include "racecar_mcl/particle_filter.h"
-#include "support/room.h"
+#include "racecar_mcl/filter/particle_filter.h"
+#include "racecar_mcl/localizer/localization_map.h"
+#include "support/analytic_room.h"
+#include "support/map_user.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RACECAR_MCL_COUNTS_ALLOCATIONS 1
 namespace {
-// By each thread. OpenCV's own threads are TBB's, which allocates in them when it likes to.
+// Per thread: TBB allocates in OpenCV's worker threads at any time.
 thread_local int allocations = 0;
 }  // namespace
 
@@ -53,12 +55,12 @@ namespace {
 
 constexpr int kUpdates = 30;
 
-/// A car that stands in a room and a filter that tracks it.
+/// A stationary car in a room, tracked by a filter.
 class AllocationTest : public testing::Test {
  protected:
   void SetUp() override {
 #ifndef RACECAR_MCL_COUNTS_ALLOCATIONS
-    GTEST_SKIP() << "malloc cannot be counted here";
+    GTEST_SKIP() << "malloc cannot be replaced in this build";
 #endif
     parameters_.resample_threshold = 1.0;
     scan_.bearings = Eigen::ArrayXf::LinSpaced(100, -2.3F, 2.3F);
@@ -72,13 +74,14 @@ class AllocationTest : public testing::Test {
 
   /// `model`: field, or a range method of the beam model.
   void useModel(const std::string& model) {
-    sensor_.sensor_model = model == "field" ? SensorModel::kLikelihoodField : SensorModel::kBeam;
+    sensor_.sensor_model =
+        model == "field" ? SensorModelType::kLikelihoodField : SensorModelType::kBeam;
     if (model != "field") sensor_.caster.range_method = model;
   }
 
   void expectNoneAfterTheFirst(double start_sigma = 0.05) {
 #ifdef RACECAR_MCL_COUNTS_ALLOCATIONS
-    const auto map = makeMapModel(room_.grid(), sensor_);
+    MapUser map(makeLocalizationMap(room_.grid(), sensor_), sensor_, parameters_.num_threads);
     ParticleFilter filter(parameters_, {}, 1);
     filter.initialize({car_, Eigen::Matrix3d::Identity() * start_sigma * start_sigma});
     Motion motion;
@@ -86,12 +89,12 @@ class AllocationTest : public testing::Test {
     for (int i = 0; i < kUpdates; ++i) {
       const int before = allocations;
       filter.predict(motion);
-      const UpdateResult& result = filter.update(map.get(), scan_);
+      const UpdateResult& result = map.update(&filter, scan_);
       const int made = allocations - before;
       ASSERT_TRUE(result.resampled);
       most_places_ = std::max(most_places_, result.clusters.size());
       if (i == 0) {
-        ASSERT_GT(made, 0) << "nothing is counted";
+        ASSERT_GT(made, 0) << "allocations are not counted";
       } else {
         ASSERT_EQ(made, 0) << "in update " << i;
       }
@@ -123,7 +126,7 @@ struct Engine {
 
 class AllocationWith : public AllocationTest, public testing::WithParamInterface<Engine> {};
 
-// Of two threads, the calling one's share is counted.
+// With two threads, only the allocations of the calling thread are counted.
 TEST_P(AllocationWith, AnUpdateAllocatesNothing) {
   if (GetParam().threads > 1 && !openCvRunsOnTbb()) {
     GTEST_SKIP() << "OpenCV's own threads allocate whenever they are given a job";
@@ -136,8 +139,7 @@ TEST_P(AllocationWith, AnUpdateAllocatesNothing) {
 INSTANTIATE_TEST_SUITE_P(Models, AllocationWith,
                          testing::Values(Engine{"field", 1}, Engine{"bresenham", 1},
                                          Engine{"distance_transform", 1}, Engine{"simd", 1},
-                                         Engine{"panorama", 1}, Engine{"field", 2},
-                                         Engine{"simd", 2}),
+                                         Engine{"lut", 1}, Engine{"field", 2}, Engine{"simd", 2}),
                          [](const auto& tested) {
                            return tested.param.model + "_on_" +
                                   std::to_string(tested.param.threads);
@@ -150,10 +152,10 @@ TEST_P(AllocationFor, AnEstimateAllocatesNothing) {
   expectNoneAfterTheFirst();
 }
 
-// While it settles, too: the default is 20 updates.
+// Also during regularization, by default 20 updates.
 TEST_P(AllocationFor, ASetInManyPlacesAllocatesNothing) {
   parameters_.estimate = GetParam();
-  scan_.ranges.setConstant(std::numeric_limits<float>::infinity());  // tells nothing
+  scan_.ranges.setConstant(std::numeric_limits<float>::infinity());  // no information
   expectNoneAfterTheFirst(5.0);
   EXPECT_GT(most_places_, 1U);
 }

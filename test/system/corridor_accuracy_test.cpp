@@ -1,5 +1,5 @@
-// The simulated corridor with the report's constants: the report's experiment (section 3.1) with
-// more than a tenth of its error gone, and an honest covariance.
+// The simulated corridor with the course report's constants (its section 3.1): the error is at
+// least 10 % lower, and the covariance is consistent.
 #include "support/replay_run.h"
 
 namespace racecar_mcl {
@@ -21,7 +21,7 @@ class CorridorAccuracyTest : public ::testing::TestWithParam<std::string> {
     truth_ = readTum(path("truth.tum"));
   }
 
-  /// Started 20 cm beside the truth.
+  /// Started with an error of 20 cm.
   ReplayedRun replay(const std::string& config) const {
     const Pose2 start = truth_.front().pose;
     std::ostringstream pose;
@@ -31,7 +31,7 @@ class CorridorAccuracyTest : public ::testing::TestWithParam<std::string> {
                       "--initial-pose", pose.str(), "--seed", "1"});
   }
 
-  /// Of the updates after the first second: the share whose error lies within 3 sigma on an axis.
+  /// The fraction of updates after the first second with an error within 3 sigma on an axis.
   double shareWithin3Sigma(const ReplayedRun& run, const std::string& axis,
                            double Pose2::*component) const {
     const auto column = [&](const std::string& name) { return run.updates.at(name); };

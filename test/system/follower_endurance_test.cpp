@@ -1,9 +1,9 @@
-// The wall follower on both maps, for as long as somebody may let it drive.
+// Long drives of the wall follower on both maps.
 #include <gtest/gtest.h>
 
-#include "racecar_mcl/map_io.h"
+#include "racecar_mcl/map/map_io.h"
 #include "sim/lap_counter.h"
-#include "sim/scene.h"
+#include "sim/scenario.h"
 #include "sim/simulator.h"
 #include "sim/wall_follower.h"
 
@@ -16,17 +16,17 @@ constexpr double kDriverPeriod = 0.02;  // s, as in the live simulator
 class FollowerEnduranceTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(FollowerEnduranceTest, DrivesTenMinutesWithoutACollision) {
-  SceneParameters place;
+  ScenarioParameters place;
   place.map = std::string(RACECAR_MCL_SOURCE_DIR "/maps/") + GetParam() + ".yaml";
-  const Scene scene = loadScene(place);
+  const Scenario scenario = loadScenario(place);
   SimulatorParameters parameters;
-  // The follower looks for itself; nobody reads these sweeps.
+  // The follower uses Simulator::look; these sweeps are not used.
   parameters.lidar.rate = 1.0;
   parameters.lidar.sweep_time = 0.0;
   parameters.lidar.beams = 2;
-  Simulator simulator(scene.world, parameters, scene.start_in_map, 1);
+  Simulator simulator(scenario.world, parameters, scenario.start_in_map, 1);
   const WallFollower follower(WallFollowerParameters{});
-  LapCounter laps(scene.start_in_map);
+  LapCounter laps(scenario.start_in_map);
   double distance_driven = 0.0;
   while (simulator.time() < kSeconds) {
     const Truth before = simulator.truth();

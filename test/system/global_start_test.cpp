@@ -1,11 +1,11 @@
-// A car that is told nothing, driving on the simulated maps.
+// Global localization on the simulated maps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <optional>
 #include <string>
 
-#include "evaluation/simulated_drive.h"
+#include "offline/simulated_drive.h"
 
 namespace racecar_mcl {
 namespace {
@@ -24,7 +24,7 @@ class GlobalStartTest : public ::testing::TestWithParam<const char*> {
     return largest;
   }
 
-  /// A car that stands, and whose odometry says so.
+  /// A stationary car with matching odometry.
   SimulatedDrive standingDrive() const {
     sim::SimulatorParameters simulator;
     simulator.odometry.noise = {};
@@ -46,64 +46,62 @@ TEST_P(GlobalStartTest, GivesTheSameForTheSameSeed) {
   EXPECT_EQ(errorAfter(1.2, 7), errorAfter(1.2, 7));
 }
 
-/// When the localizer first says that it knows where it is.
-struct Belief {
-  double seconds = 0.0;
+/// The first status `localized`.
+struct FirstLocalized {
   double error = 0.0;  ///< m
   std::string reason_before;
 };
 
-TEST_P(GlobalStartTest, IsBelievedOnceASecondSearchAgrees) {
-  const auto firstBelief = [this](bool second_opinion) {
-    parameters_.second_opinion = second_opinion;
+TEST_P(GlobalStartTest, IsLocalizedOnceASecondSearchAgrees) {
+  const auto firstLocalized = [this](Relocalization relocalization) {
+    parameters_.relocalization = relocalization;
     Random random(3);
     const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
     SimulatedDrive drive(course_, parameters_, {}, pose, 3.0, 3);
     EXPECT_TRUE(drive.localizer().initializeGlobally());
-    std::optional<Belief> belief;
+    std::optional<FirstLocalized> first;
     std::string reason;
     drive.drive(4.0, [&](const Observation& seen) {
-      const Verdict& verdict = seen.result.verdict;
-      if (verdict.state == VerdictState::kLocalized && !belief) {
-        belief = Belief{drive.simulator().time(), seen.error, reason};
+      const LocalizationStatus& status = seen.result.status;
+      if (status.state == LocalizationState::kLocalized && !first) {
+        first = FirstLocalized{seen.error, reason};
       }
-      reason = verdict.reason;
+      reason = status.reason;
     });
-    EXPECT_TRUE(belief.has_value());
-    return belief.value_or(Belief{});
+    EXPECT_TRUE(first.has_value());
+    return first.value_or(FirstLocalized{});
   };
-  const Belief at_once = firstBelief(false);
-  const Belief confirmed = firstBelief(true);
-  EXPECT_GT(confirmed.seconds, at_once.seconds);
+  const FirstLocalized unconfirmed = firstLocalized(Relocalization::kOff);
+  const FirstLocalized confirmed = firstLocalized(Relocalization::kFull);
   EXPECT_EQ(confirmed.reason_before, "a second search of the map has not agreed yet");
-  EXPECT_NE(at_once.reason_before, confirmed.reason_before);
+  EXPECT_NE(unconfirmed.reason_before, confirmed.reason_before);
   EXPECT_LT(confirmed.error, 0.2);
 }
 
 TEST_P(GlobalStartTest, IsCorrectedByASecondSearch) {
-  parameters_.recovery = false;
+  parameters_.relocalization = Relocalization::kStart;
   for (const std::uint64_t seed : {3, 4}) {
     Random random(seed);
     const auto somewhere = [&] { return sim::randomFreePose(*course_.world, {}, random, 0.3); };
     SimulatedDrive drive(course_, parameters_, {}, somewhere(), 3.0, seed);
     EXPECT_TRUE(drive.localizer().initializeGlobally());
-    // As soon as a place is found the car is carried away, and the place is wrong.
+    // Kidnapped as soon as a pose is found, which makes that pose wrong.
     bool carried = false;
     bool believed = false;
     double error = 0.0;
     drive.drive(8.0, [&](const Observation& seen) {
       error = seen.error;
-      const Verdict& verdict = seen.result.verdict;
+      const LocalizationStatus& status = seen.result.status;
       if (carried) {
-        believed |= verdict.state == VerdictState::kLocalized;
-        EXPECT_TRUE(verdict.state != VerdictState::kLocalized || error < 0.5) << seed;
-      } else if (verdict.reason.rfind("a second search", 0) == 0) {
+        believed |= status.state == LocalizationState::kLocalized;
+        EXPECT_TRUE(status.state != LocalizationState::kLocalized || error < 0.5) << seed;
+      } else if (status.reason.rfind("a second search", 0) == 0) {
         drive.simulator().place(somewhere());
         carried = true;
       }
     });
     EXPECT_TRUE(carried) << seed;
-    EXPECT_TRUE(believed) << seed << ": " << drive.localizer().verdict().reason;
+    EXPECT_TRUE(believed) << seed << ": " << drive.localizer().status().reason;
     EXPECT_LT(error, 0.2) << seed;
     EXPECT_GE(drive.localizer().counters().recoveries, 1u) << seed;
   }
@@ -116,7 +114,7 @@ TEST_P(GlobalStartTest, NeedsNoSecondSearchOnceItIsToldWhereItIs) {
   EXPECT_TRUE(drive.localizer().initializeGlobally());
   bool told = false;
   drive.drive(4.0, [&](const Observation& seen) {
-    const bool asked = seen.result.verdict.reason.rfind("a second search", 0) == 0;
+    const bool asked = seen.result.status.reason.rfind("a second search", 0) == 0;
     EXPECT_FALSE(told && asked);
     if (!asked || told) return;
     PoseEstimate start{seen.base_in_map, Eigen::Matrix3d::Zero()};
@@ -125,15 +123,15 @@ TEST_P(GlobalStartTest, NeedsNoSecondSearchOnceItIsToldWhereItIs) {
     told = true;
   });
   EXPECT_TRUE(told);
-  EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized);
+  EXPECT_EQ(drive.localizer().status().state, LocalizationState::kLocalized);
 }
 
 TEST_P(GlobalStartTest, IsConfirmedWhereTheCarStands) {
   SimulatedDrive drive = standingDrive();
   EXPECT_TRUE(drive.localizer().initializeGlobally());
   drive.drive(4.0, [](const Observation&) {});
-  EXPECT_EQ(drive.localizer().verdict().state, VerdictState::kLocalized)
-      << drive.localizer().verdict().reason;
+  EXPECT_EQ(drive.localizer().status().state, LocalizationState::kLocalized)
+      << drive.localizer().status().reason;
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, GlobalStartTest, ::testing::Values("corridor", "track"),

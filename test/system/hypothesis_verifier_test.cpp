@@ -1,5 +1,5 @@
-// Another place against the one where the car is taken to be, on the simulated corridor.
-#include "racecar_mcl/hypothesis_verifier.h"
+// Tests of a hypothesis against the current estimate, on the simulated corridor.
+#include "racecar_mcl/relocalization/hypothesis_verifier.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,10 @@
 #include <functional>
 #include <optional>
 
-#include "evaluation/simulated_drive.h"
+#include "offline/simulated_drive.h"
 #include "sim/map_faults.h"
-#include "support/wall_ahead.h"
+#include "support/map_user.h"
+#include "support/single_wall.h"
 
 namespace racecar_mcl {
 namespace {
@@ -26,22 +27,22 @@ class HypothesisVerifierTest : public ::testing::Test {
  protected:
   HypothesisVerifierTest() { simulator_.lidar.instant = true; }
 
-  /// A drive from one of many places.
+  /// A drive from a random pose.
   SimulatedDrive driveFrom(std::uint64_t place) const {
     Random random(place);
     const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
     return SimulatedDrive(course_, parameters_, simulator_, pose, 3.0, 1);
   }
 
-  /// Drives for so long at most, until something is decided. `carried` is where the car is taken to
-  /// be.
+  /// Drives until a decision, for at most this time. `carried` is the current estimate.
   Decision decisionWithin(double seconds, Purpose purpose,
                           const std::function<Pose2(const Pose2& truth)>& carried,
                           std::uint64_t place = 1) {
     SimulatedDrive drive = driveFrom(place);
+    MapUser map(course_.map, parameters_.sensor);
     Scan beams;
     drive.on_scan = [&](Scan* scan) {
-      beams = chooseBeams(parameters_, *scan);
+      beams = ScanPreprocessor(parameters_.scan).select(*scan);
       return true;
     };
     Decision decision = Decision::kUndecided;
@@ -49,7 +50,7 @@ class HypothesisVerifierTest : public ::testing::Test {
     drive.drive(seconds, [&](const Observation& now) {
       if (decision != Decision::kUndecided && decision != unheeded_) return;
       if (!verifier_.confirming() && !verifier_.challenging()) {
-        verifier_.start(purpose, *course_.map, beams, carried_is_confirmed_);
+        verifier_.start(purpose, map.searchMap(), beams, carried_is_confirmed_);
       } else if (before) {
         Motion motion;
         motion.delta = between(before->base_in_map, now.base_in_map);
@@ -59,7 +60,7 @@ class HypothesisVerifierTest : public ::testing::Test {
         PoseEstimate estimate;
         estimate.base_in_map = carried(now.base_in_map);
         estimate.covariance = Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal();
-        decision = verifier_.update(motion, course_.map.get(), beams, estimate);
+        decision = verifier_.update(motion, map.searchMap(), beams, estimate);
         travelled_ += motion.distance;
       }
       before = now;
@@ -68,7 +69,7 @@ class HypothesisVerifierTest : public ::testing::Test {
     return decision;
   }
 
-  /// m, from the truth.
+  /// Distance from the truth, m.
   double errorOfParticles() const {
     const PoseEstimate found = estimatePose(verifier_.particles(), EstimateFrom::kMean);
     return distance(found.base_in_map, truth_);
@@ -89,10 +90,11 @@ TEST_F(HypothesisVerifierTest, KnowsWhatItSearchesFor) {
   EXPECT_FALSE(verifier_.challenging());
   Scan scan;
   scan.bearings = scan.ranges = scan.seconds_after_stamp = Eigen::ArrayXf::Ones(10);
-  verifier_.start(Purpose::kConfirm, *course_.map, scan);
+  MapUser map(course_.map, parameters_.sensor);
+  verifier_.start(Purpose::kConfirm, map.searchMap(), scan);
   EXPECT_TRUE(verifier_.confirming());
   EXPECT_FALSE(verifier_.challenging());
-  verifier_.start(Purpose::kChallenge, *course_.map, scan);
+  verifier_.start(Purpose::kChallenge, map.searchMap(), scan);
   EXPECT_FALSE(verifier_.confirming());
   EXPECT_TRUE(verifier_.challenging());
   EXPECT_FALSE(verifier_.candidate());
@@ -118,7 +120,7 @@ TEST_F(HypothesisVerifierTest, ObjectsToTheRightPlaceTurnedRound) {
 }
 
 TEST_F(HypothesisVerifierTest, BeginsAgainToConfirmWhereItIsWrong) {
-  // It settles in one place, and the car is in another.
+  // The estimate is at one place, the car at another.
   ASSERT_EQ(decisionWithin(5.0, Purpose::kConfirm, turnedRound, 2), Decision::kProven);
   unheeded_ = Decision::kProven;
   EXPECT_EQ(decisionWithin(5.0, Purpose::kConfirm, asItIs, 3), Decision::kConfirmed);
@@ -134,7 +136,7 @@ TEST_F(HypothesisVerifierTest, AChallengeOfTheRightPlaceComesToNothing) {
 
 TEST_F(HypothesisVerifierTest, AChallengeOfTheRightPlaceComesToNothingWhereTheMapLacksAWing) {
   Random random(3);
-  course_.map = makeMapModel(sim::eraseWing(course_.map->grid, 0.35, random), parameters_);
+  course_.map = makeLocalizationMap(sim::eraseWing(course_.map->grid, 0.35, random), parameters_);
   for (std::uint64_t place = 1; place <= 5; ++place) {
     EXPECT_NE(decisionWithin(8.0, Purpose::kChallenge, asItIs, place), Decision::kProven) << place;
     verifier_.stop();
@@ -146,7 +148,7 @@ TEST_F(HypothesisVerifierTest, AChallengeOfAWrongPlaceIsProvenAndParticlesStandA
     EXPECT_EQ(decisionWithin(8.0, Purpose::kChallenge, turnedRound, place), Decision::kProven)
         << place;
     EXPECT_LT(errorOfParticles(), 0.2) << place;
-    EXPECT_TRUE(verifier_.challenging()) << "whoever takes the particles stops it";
+    EXPECT_TRUE(verifier_.challenging()) << "the caller stops it after taking the particles";
     verifier_.stop();
   }
 }
@@ -158,7 +160,7 @@ TEST_F(HypothesisVerifierTest, AChallengeMovesThePoseWithinItsPlace) {
     verifier_.stop();
   }
   EXPECT_EQ(decisionWithin(8.0, Purpose::kConfirm, pushed), Decision::kConfirmed)
-      << "it is the same place";
+      << "both are the same place";
 }
 
 TEST_F(HypothesisVerifierTest, APoseThatWasNeverConfirmedIsGivenUpSooner) {
@@ -171,22 +173,23 @@ TEST_F(HypothesisVerifierTest, APoseThatWasNeverConfirmedIsGivenUpSooner) {
   EXPECT_LT(travelled_, confirmed);
 }
 
-/// 65 beams, ten independent ones, that look ahead over 3.5 m.
+/// 65 beams (ten independent ones) towards a wall 3.5 m ahead.
 class ContradictionLogOdds : public WallAhead {
  protected:
   double of(const Pose2& candidate, const Pose2& carried, bool unmapped_counts = false) {
-    return contradictionLogOdds(map_with_unknown_.get(), candidate, carried, scan_,
+    return contradictionLogOdds(map_with_unknown_->view(), candidate, carried, scan_,
                                 unmapped_counts);
   }
 
-  std::shared_ptr<MapModel> map_with_unknown_ = makeMapModel(asciiMap(R"(
+  std::shared_ptr<const LocalizationMap> map_with_unknown_ =
+      makeLocalizationMap(asciiMap(R"(
       ??????##############
       ??????.....#.......#
       #..........#.......#
       #..........#.......#
       #..........#.......#
       ####################)"),
-                                                             SensorParameters{});
+                          SensorParameters{});
   const Scan scan_ = beamsAhead(65, 3.5f);
   const Pose2 matched_{8.0, 2.5, 0.0};
   const Pose2 short_{4.0, 2.5, 0.0};
@@ -212,7 +215,7 @@ TEST_F(ContradictionLogOdds, SpeakAgainstTheCandidateThatTheMapContradicts) {
 TEST_F(ContradictionLogOdds, TakeUnmappedBeamsForNeutralOfTheCarriedPose) {
   EXPECT_NEAR(of(matched_, unmapped_), 0.0, 1e-3);
   EXPECT_NEAR(of(short_, unmapped_), -10.0, 1e-3);
-  EXPECT_NEAR(of(matched_, unmapped_, true), 10.0, 1e-3) << "unless it cannot be there";
+  EXPECT_NEAR(of(matched_, unmapped_, true), 10.0, 1e-3) << "unless the pose is impossible";
 }
 
 TEST_F(ContradictionLogOdds, TakeUnmappedBeamsForUnexplainedByTheCandidate) {

@@ -1,4 +1,4 @@
-// A localizer whose map lacks a part of the world, or shows it in another way.
+// Localization on incomplete or wrong maps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,17 +6,17 @@
 #include <map>
 #include <utility>
 
-#include "evaluation/simulated_drive.h"
+#include "offline/simulated_drive.h"
 #include "sim/map_faults.h"
 
 namespace racecar_mcl {
 namespace {
 
-/// What is to be said of a drive after its first half second.
+/// Statistics of a drive after its first 0.5 s.
 struct Drive {
-  double worst_error = 0.0;           ///< m
-  double longest_carried = 0.0;       ///< m, without a map
-  std::map<VerdictState, int> scans;  ///< by the verdict on them
+  double worst_error = 0.0;                ///< m
+  double longest_carried = 0.0;            ///< m, without a map
+  std::map<LocalizationState, int> scans;  ///< by the verdict on them
   bool localized_after_carrying = false;
   std::uint64_t recoveries = 0;
 };
@@ -32,23 +32,23 @@ class LocalizerOnAWrongMap : public ::testing::Test {
     start.covariance.diagonal() << 0.01, 0.01, 0.0025;
     simulated.localizer().initialize(start);
     simulated.drive(0.5, [](const Observation&) {});
-    EXPECT_EQ(simulated.localizer().verdict().state, VerdictState::kLocalized) << seed;
+    EXPECT_EQ(simulated.localizer().status().state, LocalizationState::kLocalized) << seed;
     Drive drive;
     simulated.drive(seconds - 0.5, [&](const Observation& seen) {
-      const Verdict& verdict = seen.result.verdict;
+      const LocalizationStatus& status = seen.result.status;
       drive.worst_error = std::max(drive.worst_error, seen.error);
-      drive.longest_carried = std::max(drive.longest_carried, verdict.carried);
+      drive.longest_carried = std::max(drive.longest_carried, status.carried);
       drive.localized_after_carrying |=
-          drive.longest_carried > 5.0 && verdict.state == VerdictState::kLocalized;
-      ++drive.scans[verdict.state];
+          drive.longest_carried > 5.0 && status.state == LocalizationState::kLocalized;
+      ++drive.scans[status.state];
     });
     drive.recoveries = simulated.localizer().counters().recoveries;
     return drive;
   }
 
-  void give(OccupancyGrid map) { course_.map = makeMapModel(std::move(map), parameters_); }
+  void give(OccupancyGrid map) { course_.map = makeLocalizationMap(std::move(map), parameters_); }
 
-  /// The right map without a third of its free space and all that is there.
+  /// The correct map without a third of its free space.
   void giveWithoutAWing(std::uint64_t seed) {
     Random random(seed);
     give(sim::eraseWing(right_, 0.33, random));
@@ -65,9 +65,9 @@ TEST_F(LocalizerOnAWrongMap, CarriesThePoseThroughAWingThatTheMapLacks) {
   EXPECT_GT(through.longest_carried, 20.0);
   EXPECT_LT(through.worst_error, 0.5);
   EXPECT_EQ(through.recoveries, 0u);
-  EXPECT_EQ(through.scans[VerdictState::kLost], 0);
-  EXPECT_EQ(through.scans[VerdictState::kConverging], 0);
-  EXPECT_GT(through.scans[VerdictState::kDegraded], 300);
+  EXPECT_EQ(through.scans[LocalizationState::kLost], 0);
+  EXPECT_EQ(through.scans[LocalizationState::kInitializing], 0);
+  EXPECT_GT(through.scans[LocalizationState::kDegraded], 300);
   EXPECT_TRUE(through.localized_after_carrying);
 }
 
@@ -87,8 +87,8 @@ TEST_F(LocalizerOnAWrongMap, StaysRightWhereAThirdOfTheWallsIsMissing) {
   EXPECT_GT(past_gaps.longest_carried, 5.0);
   EXPECT_LT(past_gaps.worst_error, 0.1);
   EXPECT_EQ(past_gaps.recoveries, 0u);
-  EXPECT_EQ(past_gaps.scans[VerdictState::kLost], 0);
-  EXPECT_GT(past_gaps.scans[VerdictState::kLocalized], 100);
+  EXPECT_EQ(past_gaps.scans[LocalizationState::kLost], 0);
+  EXPECT_GT(past_gaps.scans[LocalizationState::kLocalized], 100);
 }
 
 TEST_F(LocalizerOnAWrongMap, IsAtHomeWhereEverythingUnknownIsBlack) {
@@ -97,7 +97,7 @@ TEST_F(LocalizerOnAWrongMap, IsAtHomeWhereEverythingUnknownIsBlack) {
   EXPECT_LT(filled.worst_error, 0.1);
   EXPECT_EQ(filled.recoveries, 0u);
   EXPECT_EQ(filled.longest_carried, 0.0);
-  EXPECT_EQ(filled.scans.size(), filled.scans.count(VerdictState::kLocalized));
+  EXPECT_EQ(filled.scans.size(), filled.scans.count(LocalizationState::kLocalized));
 }
 
 }  // namespace

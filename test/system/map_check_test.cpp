@@ -10,8 +10,8 @@
 namespace racecar_mcl {
 namespace {
 
-/// 20 x 12 cells of 0.1 m: free space within walls two or three cells thick, an opening in the
-/// right one, unknown outside.
+/// 20 x 12 cells of 0.1 m: free space inside walls of two or three cells with an opening in the
+/// right wall, unknown outside.
 class MapCheckProgram : public testing::Test {
  protected:
   std::string writeMap(const std::string& name, const std::string& pixels) {
@@ -54,6 +54,21 @@ TEST_F(MapCheckProgram, SaysWhatTheMapIs) {
             "  blurred   0.0 m2 of walls; of the surfaces 0.0 %\n"
             "  hidden    72.3 % of the obstacle cells\n"
             "  openings  3.1 % of the border of free space\n");
+}
+
+TEST_F(MapCheckProgram, LocalizabilityMarksBlindPlaces) {
+  const std::string map = writeMap("room", roomPixels());
+  const ProgramResult result = runProgram(
+      LOCALIZABILITY_PROGRAM, {map, "--spacing", "0.1", "--blind", "0.5", "--out", path("l.png")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("blind (over 50.0 cm): 0.0 % of 55 places"), std::string::npos)
+      << result.out;
+  EXPECT_FALSE(cv::imread(path("l.png")).empty());
+  const ProgramResult blind =
+      runProgram(LOCALIZABILITY_PROGRAM, {map, "--spacing", "0.1", "--blind", "0.0001"});
+  EXPECT_NE(blind.out.find("100.0 % of 55 places"), std::string::npos) << blind.out;
+  EXPECT_EQ(runProgram(LOCALIZABILITY_PROGRAM, {map, "--spacing", "0"}).exit_code, 1);
+  EXPECT_EQ(runProgram(LOCALIZABILITY_PROGRAM, {path("none.yaml")}).exit_code, 1);
 }
 
 TEST_F(MapCheckProgram, DrawsWhatALidarSees) {
@@ -111,7 +126,7 @@ TEST_F(MapCheckProgram, FailsWhereALocalizerCannotUseTheMap) {
     const ProgramResult result = runProgram(MAP_CHECK_PROGRAM, {map, "--out", path("plain.png")});
     EXPECT_EQ(result.exit_code, 1) << pixel;
     EXPECT_NE(result.out.find("warning: no "), std::string::npos) << result.out;
-    EXPECT_EQ(result.err, "map_check: error: " + map + ": a localizer cannot use this map\n");
+    EXPECT_EQ(result.err, "map_check: error: " + map + ": the localizer cannot use this map\n");
     EXPECT_FALSE(cv::imread(path("plain.png")).empty()) << pixel;
   }
 }

@@ -1,5 +1,5 @@
-// Real robots' recordings, where they are at hand: replay stays localized to their end. They lie in
-// the folder that RACECAR_MCL_DATA names, else in shared/data beside the repository.
+// Recordings of real robots, if available: replay stays localized. The folder is RACECAR_MCL_DATA,
+// else shared/data next to the repository.
 #include <cstdlib>
 #include <filesystem>
 
@@ -23,7 +23,7 @@ fs::path dataFolder() {
   return named ? fs::path(named) : fs::path(RACECAR_MCL_SOURCE_DIR).parent_path() / "shared/data";
 }
 
-/// The longest time, s, for which the errors at these truth stamps pass a limit without a break.
+/// The longest interval, s, during which the error exceeds a limit.
 double longestAbove(const Trajectory& estimate, const Trajectory& truth, double limit,
                     double max_gap) {
   double longest = 0.0;
@@ -55,7 +55,8 @@ TEST_P(RecordingsTest, StaysLocalizedToTheEnd) {
        "--truth", truth, "--odom-topic", "/odom", "--config",
        RACECAR_MCL_SOURCE_DIR "/config/default.yaml", "--initial-pose-from-truth", "--seed", "1"});
   ASSERT_FALSE(run.estimate.empty());
-  EXPECT_LT(longestAbove(run.estimate, readTum(truth), 2.0, 0.5), 3.0) << "s more than 2 m off";
+  EXPECT_LT(longestAbove(run.estimate, readTum(truth), 2.0, 0.5), 3.0)
+      << "s with an error of more than 2 m";
   EXPECT_LT(run.summary["position_error_m"]["final"], 2.0);
   RecordProperty("rmse_mm",
                  static_cast<int>(1000.0 * run.summary["position_error_m"]["rmse"].get<double>()));

@@ -1,4 +1,4 @@
-// What replay leaves beside its three files: the film and the particle sets; and particle_steps.
+// Optional outputs of replay (video, particle sets), and particle_steps.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -36,7 +36,7 @@ TEST_F(ReplayFilm, showsEverySecondOfTheRunAtTheSpeedAskedFor) {
   ASSERT_TRUE(film.read(first));
   while (film.read(frame)) frame.copyTo(last);
   EXPECT_EQ(first.size(), cv::Size(1280, 720));
-  EXPECT_GT(cv::norm(first, last, cv::NORM_L1), 0.0) << "the film stands still";
+  EXPECT_GT(cv::norm(first, last, cv::NORM_L1), 0.0) << "all frames are equal";
   EXPECT_FALSE(fs::exists(path("film.part.mp4")));
 }
 
@@ -85,7 +85,7 @@ TEST_F(ReplayFilm, particleStepsSpreadBySteeringBlindAndGatherByAScan) {
   folder_.write("truth.tum",
                 "1500000000 0.8 1.0 0 0 0 0.04998 0.99875\n"
                 "1500000001 1.8 1.1 0 0 0 0.09983 0.99500\n");
-  folder_.write("steps.yaml", "initial_sigma: 0.1\nnum_particles: 1000\n");
+  folder_.write("steps.yaml", "expert/initial_sigma: 0.1\nnum_particles: 1000\n");
   const ProgramResult result =
       runProgram(PARTICLE_STEPS_PROGRAM,
                  {"--bag", path("a.bag"), "--map", map_, "--truth", path("truth.tum"), "--at",

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <rosbag/view.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -23,7 +24,7 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-/// updates.csv without the column update_ms, the only one that may differ.
+/// updates.csv without update_ms, the only column that is not deterministic.
 auto untimed(const std::string& path) {
   auto columns = readCsv(path);
   EXPECT_EQ(columns.erase("update_ms"), 1u);
@@ -46,11 +47,11 @@ class Replay : public RoomFolder {
   nlohmann::json summaryOf(const Arguments& arguments, const std::string& out = "out") const {
     const ProgramResult result = replay(arguments, out);
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.err, "") << "no progress bar where there is no terminal";
+    EXPECT_EQ(result.err, "") << "no progress bar without a terminal";
     return nlohmann::json::parse(readWhole(path(out + "/summary.json")));
   }
 
-  /// Expects one line of error that holds all of these words, and no output folder.
+  /// Expects a one-line error message that contains all `words`, and no output folder.
   void expectError(const ProgramResult& result, const Arguments& words) const {
     EXPECT_EQ(result.exit_code, 1);
     EXPECT_EQ(result.err.find("replay: error: "), 0u) << result.err;
@@ -71,10 +72,11 @@ TEST_F(Replay, localizesAndSaysHowWell) {
   std::vector<std::string> keys;
   for (const auto& item : all.items()) keys.push_back(item.key());
   const std::vector<std::string> expected{
-      "duration_s",           "heading_error_deg", "num_beams",    "num_particles",
-      "odometry_seen",        "position_error_m",  "range_method", "real_time_factor",
-      "scans_seen",           "scans_used",        "seed",         "sweep_order",
-      "truth_stamps_skipped", "truth_stamps_used", "update_ms",    "version"};
+      "duration_s",     "gyro",           "heading_error_deg",    "num_beams",
+      "num_particles",  "odometry_seen",  "position_error_m",     "real_time_factor",
+      "scan_direction", "scans_seen",     "scans_used",           "seed",
+      "sensor_model",   "status_percent", "truth_stamps_skipped", "truth_stamps_used",
+      "update_ms",      "version"};
   EXPECT_EQ(keys, expected);
   for (const char* key : {"mean", "median", "p95", "max", "rmse", "final"}) {
     EXPECT_TRUE(all["position_error_m"][key].is_number()) << key;
@@ -90,15 +92,16 @@ TEST_F(Replay, localizesAndSaysHowWell) {
   EXPECT_NEAR(all["duration_s"], 4.0, 1e-6);
 
   const Trajectory trajectory = readTum(path("out/trajectory.tum"));
-  ASSERT_EQ(trajectory.size(), 201u) << "a row per distinct stamp of odometry and scans";
+  ASSERT_EQ(trajectory.size(), 201u) << "one row per distinct stamp";
   EXPECT_EQ(trajectory.front().stamp, 1500000000000000000);
   const std::vector<std::string> updates = linesOf(readWhole(path("out/updates.csv")));
   ASSERT_EQ(updates.size(), 42u);
   EXPECT_EQ(updates[0],
             "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,"
             "effective_sample_size,beams,particles,log_likelihood,resampled,outcome,update_ms,"
-            "clusters,explained,obstructed,contradicted,unmapped,conflict,carried,range_bias,"
-            "level_along,level_across,level_heading,verdict,reason");
+            "clusters,inlier_ratio,obstructed,contradicted,unmapped,conflict,carried,range_bias,"
+            "distance_scale,turn_scale,turned_by_gyro,level_along,level_across,level_heading,"
+            "localizability_along,localizability_across,localizability_heading,status,reason");
   EXPECT_EQ(updates[1].substr(0, 21), "1500000000.000000000,");
 }
 
@@ -110,6 +113,19 @@ TEST_F(Replay, withoutATruthTakesNoError) {
   EXPECT_FALSE(summary.contains("position_error_m"));
   EXPECT_FALSE(summary.contains("truth_stamps_used"));
   EXPECT_EQ(summary["scans_used"], 41);
+}
+
+TEST_F(Replay, namesTheRangeMethodOnlyIfItCastsRays) {
+  const std::vector<std::string> drive = {"--bag", record("a.bag", RoomDrive{}), "--initial-pose",
+                                          "0.8 1.0 0.1"};
+  const nlohmann::json field = summaryOf(drive);
+  EXPECT_EQ(field["sensor_model"], "likelihood_field");
+  EXPECT_FALSE(field.contains("range_method"));
+  std::vector<std::string> rays = drive;
+  rays.insert(rays.end(), {"--set", "sensor_model:=beam"});
+  const nlohmann::json beam = summaryOf(rays);
+  EXPECT_EQ(beam["sensor_model"], "beam");
+  EXPECT_EQ(beam["range_method"], "simd");
 }
 
 TEST_F(Replay, repeatsItselfBitForBitAndFollowsTheSeed) {
@@ -165,7 +181,7 @@ TEST_F(Replay, startsFromATruthThatBeginsMidDriveBetweenOdometryMessages) {
                  "--initial-pose-from-truth"});
   EXPECT_LT(summary["position_error_m"]["max"], 0.15);
   EXPECT_EQ(summary["scans_seen"], 41);
-  EXPECT_EQ(summary["scans_used"], 20) << "scans before the start are seen, not used";
+  EXPECT_EQ(summary["scans_used"], 20) << "scans before the start are not used";
 }
 
 TEST_F(Replay, beginsAndEndsWhereItIsTold) {
@@ -179,7 +195,7 @@ TEST_F(Replay, beginsAndEndsWhereItIsTold) {
   EXPECT_EQ(summary["scans_used"], 21) << "started at the first of them";
   EXPECT_EQ(summary["odometry_seen"], 101);
   EXPECT_NEAR(summary["duration_s"], 2.0, 1e-6);
-  EXPECT_LT(summary["position_error_m"]["max"], 0.1) << "started where the car was by then";
+  EXPECT_LT(summary["position_error_m"]["max"], 0.1) << "started at the pose at that time";
   const Trajectory trajectory = readTum(path("out/trajectory.tum"));
   EXPECT_EQ(trajectory.front().stamp, 1500000001000000000);
   EXPECT_EQ(trajectory.back().stamp, 1500000003000000000);
@@ -214,15 +230,16 @@ TEST_F(Replay, takesTfFromBeforeTheStart) {
 
 TEST_F(Replay, refusesAStartBeyondTheRecordingOrTheTruth) {
   const std::string bag = record("a.bag");
-  expectError(replay({"--bag", bag, "--start", "4"}), {"from 4 s on", "lasts 4 s"});
+  expectError(replay({"--bag", bag, "--start", "4"}),
+              {"no messages from 4 s on", "duration is 4 s"});
   expectError(replay({"--bag", bag, "--start", "-1"}), {"--start is -1"});
   expectError(replay({"--bag", bag, "--start", "nan"}), {"--start"});
   expectError(replay({"--bag", bag, "--duration", "0"}), {"--duration is 0"});
   expectError(replay({"--bag", bag, "--start", "1.01", "--duration", "0.01"}),
-              {"/scan holds no scan within the time asked for"});
+              {"/scan has no scan within --start and --duration"});
   expectError(replay({"--bag", bag, "--start", "2", "--initial-pose-from-truth", "--truth",
                       folder_.write("t.tum", "1500000001 0 0 0 0 0 0 1\n")}),
-              {"the truth covers", "1500000002.000000000 s on"});
+              {"the truth covers", "after --start (1500000002.000000000 s)"});
 }
 
 TEST_F(Replay, readsFramesWithALeadingSlash) {
@@ -241,8 +258,10 @@ TEST_F(Replay, takesTheLidarsPoseFromTheCommandLineWhereTfDoesNotTell) {
   arguments.insert(arguments.end(), {"--laser-pose", "0.25 0 0"});
   EXPECT_LT(summaryOf(arguments)["position_error_m"]["rmse"], 0.05);
   arguments.back() = "-0.25 0 0";
-  // Half a metre of it: the scans contradict the map, and pull the pose only part of the way.
-  EXPECT_GT(summaryOf(arguments)["position_error_m"]["rmse"], 0.15) << "a wrong mount must show";
+  // An offset of 0.5 m: the scans contradict the map and correct the pose only in part.
+  EXPECT_GT(summaryOf(arguments)["position_error_m"]["rmse"], 0.15) << "wrong extrinsics must show";
+  const std::vector<std::string> status = readCsv(path("out/updates.csv")).at("status");
+  EXPECT_LT(std::count(status.begin(), status.end(), "localized"), 35) << "of 41";
 }
 
 TEST_F(Replay, findsItselfAnywhereOnTheMap) {
@@ -254,7 +273,8 @@ TEST_F(Replay, takesParametersFromTheConfigThenFromSet) {
       folder_.write("c.yaml", "num_particles: 50\nnum_beams_per_particle: 40\n");
   const nlohmann::json summary =
       summaryOf({"--bag", record("a.bag"), "--initial-pose-from-truth", "--config", config, "--set",
-                 "num_particles:=60", "--set", "range_method:=bresenham", "--motion-from", "pose"});
+                 "num_particles:=60", "--set", "sensor_model:=beam", "--set",
+                 "range_method:=bresenham", "--motion-from", "pose"});
   EXPECT_EQ(summary["num_particles"], 60);
   EXPECT_EQ(summary["num_beams"], 40);
   EXPECT_EQ(summary["range_method"], "bresenham");
@@ -270,7 +290,7 @@ TEST_F(Replay, replacesItsThreeFilesAndLeavesOthers) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
     folders += entry.is_directory() ? 1 : 0;
   }
-  EXPECT_EQ(folders, 1u) << "nothing temporary is left";
+  EXPECT_EQ(folders, 1u) << "no temporary folders remain";
 }
 
 TEST_F(Replay, skipsTruthStampsInGapsOfTheEstimate) {
@@ -290,6 +310,98 @@ TEST_F(Replay, namesAMissingTopicAndWhatTheBagHolds) {
                "/scan (sensor_msgs/LaserScan)"});
   expectError(replay({"--bag", bag, "--scan-topic", "/vesc/odom"}),
               {"sensor_msgs/LaserScan", "--scan-topic"});
+}
+
+TEST_F(Replay, printsAndStoresTheStatusOfTheDrive) {
+  const ProgramResult result = replay({"--bag", record("a.bag"), "--initial-pose-from-truth"});
+  EXPECT_NE(result.out.find("\nstatus: "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("localized "), std::string::npos) << result.out;
+  const auto summary = nlohmann::json::parse(readWhole(path("out/summary.json")));
+  double sum = 0.0;
+  for (const auto& percent : summary["status_percent"]) sum += percent.get<double>();
+  EXPECT_NEAR(sum, 100.0, 1e-9);
+  EXPECT_GT(summary["status_percent"]["localized"], 50.0);
+}
+
+/// The room's bag with every message changed by `change`, which has overloads for both types.
+template <typename Change>
+std::string changedBag(const std::string& from, const std::string& to, Change&& change) {
+  const rosbag::Bag in(from);
+  rosbag::Bag out(to, rosbag::bagmode::Write);
+  for (const rosbag::MessageInstance& instance : rosbag::View(in)) {
+    if (const auto scan = instance.instantiate<sensor_msgs::LaserScan>()) {
+      change(*scan);
+      out.write(instance.getTopic(), instance.getTime(), *scan);
+    } else if (const auto odometry = instance.instantiate<nav_msgs::Odometry>()) {
+      if (instance.getTopic() == "/vesc/odom") change(*odometry);
+      out.write(instance.getTopic(), instance.getTime(), *odometry);
+    } else {
+      out.write(instance.getTopic(), instance.getTime(), instance);
+    }
+  }
+  return to;
+}
+
+struct NoChange {
+  void operator()(sensor_msgs::LaserScan&) const {}
+  void operator()(nav_msgs::Odometry&) const {}
+};
+
+struct NoOdometryStamp : NoChange {
+  using NoChange::operator();
+  void operator()(nav_msgs::Odometry& odometry) const { odometry.header.stamp = ros::Time(); }
+};
+
+struct BadScans : NoChange {
+  using NoChange::operator();
+  void operator()(sensor_msgs::LaserScan& scan) const { scan.angle_increment = 0.0f; }
+};
+
+struct ScanClockBehind : NoChange {
+  using NoChange::operator();
+  void operator()(sensor_msgs::LaserScan& scan) const { scan.header.stamp -= ros::Duration(37.0); }
+};
+
+struct NoScanFrame : NoChange {
+  using NoChange::operator();
+  void operator()(sensor_msgs::LaserScan& scan) const { scan.header.frame_id.clear(); }
+};
+
+TEST_F(Replay, saysWhatItDropsAndWhy) {
+  const std::string bag = record("a.bag");
+  const ProgramResult no_stamps =
+      replay({"--bag", changedBag(bag, path("b.bag"), NoOdometryStamp{}), "--initial-pose",
+              "0.8 1 0.1", "--truth", folder_.write("t.tum", "1500000000 0.8 1 0 0 0 0.05 1\n")});
+  EXPECT_NE(no_stamps.err.find("warning: 201 x odometry dropped: the stamp is zero"),
+            std::string::npos)
+      << no_stamps.err;
+  const ProgramResult behind = replay(
+      {"--bag", changedBag(bag, path("c.bag"), ScanClockBehind{}), "--initial-pose", "0.8 1 0.1"});
+  EXPECT_NE(behind.err.find("s behind the newest odometry; expected stamps of one clock"),
+            std::string::npos)
+      << behind.err;
+}
+
+TEST_F(Replay, isAnErrorIfNoScanIsUsed) {
+  const ProgramResult result =
+      replay({"--bag", changedBag(record("a.bag"), path("b.bag"), BadScans{}), "--initial-pose",
+              "0.8 1 0.1"},
+             "result");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("41 x scan dropped: the scan's angle_increment is 0"),
+            std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("error: none of the 41 scans was used"), std::string::npos);
+  EXPECT_FALSE(fs::exists(path("result")));
+}
+
+TEST_F(Replay, namesScansWithoutAFrameAndBagsThatAreCutOff) {
+  const std::string bag = record("a.bag");
+  expectError(replay({"--bag", changedBag(bag, path("b.bag"), NoScanFrame{})}),
+              {"the scans on /scan have no frame_id", "--laser-pose"});
+  const std::string whole = readWhole(bag);
+  expectError(replay({"--bag", folder_.write("cut.bag", whole.substr(0, whole.size() / 2))}),
+              {"cut.bag", "cut off", "rosbag reindex"});
 }
 
 TEST_F(Replay, refusesBagsThatCannotBeRead) {
@@ -328,7 +440,8 @@ TEST_F(Replay, refusesParametersAndOptionsThatCannotBe) {
   refuses({"--set", "num_particles=3"}, {"name:=value"});
   refuses({"--config", path("none.yaml")}, {"none.yaml"});
   refuses({"--motion-from", "wheels"}, {"motion_from", "twist pose tf"});
-  refuses({"--motion-from", "tf"}, {"odom -> base_link", "--odom-frame", "recorded were: none"});
+  refuses({"--motion-from", "tf"},
+          {"odom -> base_link", "--odom-frame", "recorded transforms: none"});
   refuses({"--initial-pose", "1 2"}, {"--initial-pose", "x y yaw"});
   refuses({"--initial-pose", "99 2 0"}, {"outside the map"});
   refuses({"--truth", path("none.tum")}, {"none.tum"});
@@ -345,7 +458,7 @@ TEST_F(Replay, refusesATruthOfAnotherTime) {
               {"the truth covers"});
   expectError(replay({"--bag", bag, "--initial-pose-from-truth", "--truth",
                       folder_.write("t.tum", "2000000000 0 0 0 0 0 0 1\n")}),
-              {"before the localizer was started"});
+              {"before the localizer is initialized"});
 }
 
 }  // namespace

@@ -78,7 +78,8 @@ class RosFree : public testing::TestWithParam<const char*> {};
 TEST_P(RosFree, KnowsNoRos) { EXPECT_EQ(startingWith(kRos, includesUnder(GetParam())), None{}); }
 
 INSTANTIATE_TEST_SUITE_P(Folders, RosFree,
-                         testing::Values("include/racecar_mcl", "src/core", "src/sim", "test/unit",
+                         testing::Values("include/racecar_mcl", "src/core", "src/map_io", "src/sim",
+                                         "src/evaluation", "src/calibration", "test/unit",
                                          "test/contract"));
 
 TEST(RosCode, IsWhatTheTestWouldFind) {
@@ -94,6 +95,52 @@ TEST(PublicHeaders, IncludeOnlyEachOtherEigenAndTheStandardLibrary) {
   }
 }
 
+// The floors of the core, lowest first. A folder uses those on its own floor and below.
+const std::vector<std::vector<std::string>> kFloors{
+    {"common", "geometry"},
+    {"map", "simd", "scan"},
+    {"raycasting", "motion"},
+    {"sensor"},
+    {"filter", "monitoring"},
+    {"relocalization"},
+    {"localizer"},
+};
+
+/// The floor of a folder of the core; -1 where it is none.
+int floorOf(const std::string& folder) {
+  for (std::size_t floor = 0; floor < kFloors.size(); ++floor) {
+    const std::vector<std::string>& folders = kFloors[floor];
+    if (std::find(folders.begin(), folders.end(), folder) != folders.end()) {
+      return static_cast<int>(floor);
+    }
+  }
+  return -1;
+}
+
+/// The first folder of a path, after `prefix` where it has that.
+std::string folderOf(std::string path, const std::string& prefix = "") {
+  if (path.rfind(prefix, 0) == 0) path = path.substr(prefix.size());
+  return path.substr(0, path.find('/'));
+}
+
+class CoreFolders : public testing::TestWithParam<const char*> {};
+
+TEST_P(CoreFolders, IncludeOnlyFromTheirOwnFloorAndBelow) {
+  const std::vector<Include> includes = includesUnder(GetParam());
+  int between_folders = 0;
+  for (const Include& include : includes) {
+    const int from = floorOf(folderOf(include.file));
+    EXPECT_GE(from, 0) << include.file << " lies in no folder of a floor";
+    const int to = floorOf(folderOf(include.name, "racecar_mcl/"));
+    if (include.name.find('/') == std::string::npos || to < 0) continue;
+    EXPECT_LE(to, from) << include.file << " includes " << include.name;
+    between_folders += to < from ? 1 : 0;
+  }
+  EXPECT_GT(between_folders, 20) << "the floors are not what the files are in";
+}
+
+INSTANTIATE_TEST_SUITE_P(Headers, CoreFolders, testing::Values("include/racecar_mcl", "src/core"));
+
 TEST(Core, ReadsNoClockAndDrawsNoNumbersOfItsOwn) {
   const std::vector<std::string> forbidden{"chrono", "ctime", "random", "time.h"};
   EXPECT_EQ(startingWith(forbidden, includesUnder("src/core")), None{});
@@ -102,12 +149,11 @@ TEST(Core, ReadsNoClockAndDrawsNoNumbersOfItsOwn) {
 
 TEST(SimulatedCar, SeesTheWorldWithItsOwnEyes) {
   // Agreement with the filter means something only where the simulator shares none of its casters.
-  EXPECT_EQ(startingWith({"range_casters/", "racecar_mcl/range_caster",
-                          "racecar_mcl/distance_field", "racecar_mcl/likelihood_field",
-                          "racecar_mcl/beam_model", "racecar_mcl/sensor_table",
-                          "racecar_mcl/particle_filter", "racecar_mcl/localizer"},
-                         includesUnder("src/sim")),
-            None{});
+  EXPECT_EQ(
+      startingWith({"raycasting/", "racecar_mcl/raycasting/", "racecar_mcl/map/distance_field",
+                    "racecar_mcl/sensor/", "racecar_mcl/filter/", "racecar_mcl/localizer/"},
+                   includesUnder("src/sim")),
+      None{});
 }
 
 }  // namespace

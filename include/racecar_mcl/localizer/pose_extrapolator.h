@@ -1,0 +1,96 @@
+// Extrapolates the last pose estimate by odometry to any time.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "racecar_mcl/filter/pose_estimate.h"
+#include "racecar_mcl/localizer/scan_result.h"
+#include "racecar_mcl/motion/calibrated_odometry.h"
+#include "racecar_mcl/motion/motion_model.h"
+#include "racecar_mcl/scan/scan.h"
+
+namespace racecar_mcl {
+
+/// Holds the last estimate, the odometry since and its calibration: the state shared by the
+/// odometry and scan threads. Thread-safe; every method returns quickly.
+class PoseExtrapolator {
+ public:
+  /// A copy of the odometry that the processing of one scan needs.
+  struct ScanMotion {
+    CalibratedOdometry odometry;  ///< over the sweep
+    PoseEstimate before;          ///< at the last estimate
+    Motion motion;                ///< since then, calibrated
+    /// The newest message is at most max_odometry_gap older than the scan.
+    bool odometry_is_new = false;
+  };
+
+  /// Throws as the parameters' validate functions do.
+  PoseExtrapolator(const OdometryParameters& odometry, const MotionModelParameters& motion);
+
+  /// The estimate and the odometry are kept. Throws ParameterError, and then changes nothing.
+  void setParameters(const OdometryParameters& odometry, const MotionModelParameters& motion);
+
+  OdometryOutcome addOdometry(const OdometrySample& sample);
+  GyroOutcome addGyro(const GyroSample& sample);
+
+  /// Whether a scan of this stamp need not wait for odometry: the newest message is at least as
+  /// new, or over 0.5 s older (odometry has stopped). A positive delay does not prolong the wait.
+  bool covers(double stamp) const;
+
+  /// The pose at a time, extrapolated from the last estimate by odometry, also backwards; none
+  /// before a start.
+  std::optional<PoseEstimate> estimateAt(double stamp) const;
+  /// The newest stamp of a scan or odometry message; none before the first.
+  std::optional<double> newestStamp() const;
+  /// s, a scan's stamp minus that of the newest odometry; 0 before the first message.
+  double odometryLag(double stamp) const;
+  /// The newest odometry twist; zero before the first.
+  Twist2 twist() const;
+  OdometryCounters counters() const;
+
+  /// A pose estimate at a stamp, moved to the newest stamp by odometry. Unchanged if the stamp is
+  /// not older, or before the first message in the buffer.
+  PoseEstimate moveToNewest(const PoseEstimate& estimate, double stamp) const;
+  /// A start: `estimate` is the pose at the newest stamp.
+  void reset(const PoseEstimate& estimate, const OdometryCalibration& calibration);
+  bool initialized() const;
+  /// The last estimate; none before a start.
+  std::optional<PoseEstimate> lastEstimate() const;
+
+  /// kUsed if the stamp is newer than that of the last scan. A second stamp that is older by
+  /// clock_jump or more restarts the time; one alone is an outlier, as is one far ahead of scans
+  /// and odometry.
+  ScanOutcome checkStamp(double stamp);
+  /// The motion up to a scan. Throws std::logic_error before a start.
+  ScanMotion beginScan(const Scan& scan);
+  /// Sets the estimate at a scan's stamp, and the corrections of the odometry from then on.
+  void setReference(const PoseEstimate& estimate, double stamp,
+                    const OdometryCalibration& calibration, double noise_scale);
+
+ private:
+  /// The last estimate and the odometry at its stamp.
+  struct Reference {
+    PoseEstimate estimate;
+    MotionOrigin origin;
+  };
+
+  Motion motionTo(double stamp) const;
+  std::optional<double> newest() const;
+  /// The latest plausible stamp of the next scan; none before the first message.
+  std::optional<double> maxScanStamp() const;
+
+  OdometryParameters parameters_;
+  MotionModelParameters motion_parameters_;
+  /// Guards all members below.
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+  CalibratedOdometry odometry_;
+  double noise_scale_ = 1.0;  ///< factor on the standard deviations of the motion noise
+  std::optional<Reference> reference_;
+  std::optional<double> last_scan_stamp_;
+  ClockJumpDetector scan_clock_jump_;
+  OdometryCounters counters_;
+};
+
+}  // namespace racecar_mcl

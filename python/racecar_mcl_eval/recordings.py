@@ -1,0 +1,89 @@
+"""Benchmarks over recordings: finds the recordings, replays them, runs seeds in parallel."""
+import argparse
+import concurrent.futures
+import json
+import pathlib
+import sys
+import typing
+
+from . import programs
+
+
+class Recording(typing.NamedTuple):
+    bag: pathlib.Path
+    map: pathlib.Path
+    truth: pathlib.Path
+
+
+def find_map(bag):
+    named = [bag.with_name(bag.stem + ending) for ending in (".yaml", "_full.yaml")]
+    candidates = [path for path in named if path.exists()] or sorted(bag.parent.glob("*.yaml"))
+    return candidates[0] if len(candidates) == 1 or candidates[:1] == named[:1] else None
+
+
+def find_truth(bag):
+    candidates = [bag.with_name(bag.stem + ending) for ending in ("_gt.tum", "_ref.tum")]
+    return next((path for path in candidates if path.exists()), None)
+
+
+def find_recordings(root, only):
+    """The Recordings below `root`, of the names in `only` if given. Bags without map or truth are reported on
+    stderr."""
+    found = []
+    for bag in sorted(root.rglob("*.bag")):
+        if only and bag.stem not in only:
+            continue
+        map_file, truth = find_map(bag), find_truth(bag)
+        if map_file and truth:
+            found.append(Recording(bag, map_file, truth))
+        else:
+            print(f"skipped: {bag} has no {'map' if truth else 'truth'} beside it", file=sys.stderr)
+    if not found:
+        print(f"skipped: {root} has no recording with a map and a truth")
+    return found
+
+
+def option_parser(description):
+    """A parser with the options common to these benchmarks."""
+    parser = argparse.ArgumentParser(description=description,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("root", type=pathlib.Path, help="folder with the recordings")
+    parser.add_argument("--config", help="YAML file of parameters")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME:=VALUE", help="a parameter of every run")
+    parser.add_argument("--seeds", type=int, default=3, help="runs per recording, with seeds 1 to N", metavar="N")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="only these recordings")
+    parser.add_argument("--odom-topic", default="/odom")
+    parser.add_argument("--jobs", type=int, default=1, help="parallel runs")
+    parser.add_argument("--json", metavar="FILE", help="also write the table to this file")
+    return parser
+
+
+def replay(recording, seed, arguments, start, folder):
+    """Runs replay with output to `folder`."""
+    bag, map_file, truth = recording
+    words = ["--bag", bag, "--map", map_file, "--truth", truth, "--out", folder, "--odom-topic",
+             arguments.odom_topic, "--seed", seed, *start]
+    if arguments.config:
+        words += ["--config", arguments.config]
+    for setting in arguments.set:
+        words += ["--set", setting]
+    programs.run("replay", words)
+
+
+def run_seeds(run, cases, arguments):
+    """The results of run(case, seed, arguments), a list over the seeds for each case."""
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        futures = [[pool.submit(run, case, seed, arguments) for seed in range(1, arguments.seeds + 1)]
+                   for case in cases]
+        try:
+            return [[future.result() for future in of_one] for of_one in futures]
+        except BaseException:
+            for future in (future for of_one in futures for future in of_one):
+                future.cancel()
+            raise
+
+
+def write_json(rows, path):
+    """Writes the rows of a table to `path` unless that is None."""
+    if path:
+        pathlib.Path(path).write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")

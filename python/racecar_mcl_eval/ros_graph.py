@@ -1,0 +1,98 @@
+"""A private ROS graph: roslaunch with a roscore on a free port, shut down on every exit path."""
+import os
+import signal
+import socket
+import subprocess
+import time
+from pathlib import Path
+
+# roslaunch waits for its nodes for 15 s after SIGINT and 2 s after SIGTERM.
+END_TIMEOUT = 20.0  # s
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def descendants_of(pid):
+    """The process ids of all descendants of `pid`."""
+    parents = {}
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            stat = (entry / "stat").read_text()
+        except OSError:
+            continue
+        # "pid (name) state parent ...", where the name may contain spaces and parentheses.
+        parents[int(entry.name)] = int(stat.rpartition(")")[2].split()[1])
+    below = [pid]
+    for parent in below:
+        below.extend(child for child, above in parents.items() if above == parent)
+    return below[1:]
+
+
+def environment(port, folder):
+    """The environment of programs that use the roscore on `port` and log to `folder`."""
+    variables = dict(os.environ, ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1",
+                     ROS_HOME=str(folder / "ros"))
+    variables.pop("ROS_HOSTNAME", None)
+    return variables
+
+
+def end(process):
+    """Ends a Popen: SIGINT, then SIGTERM, then SIGKILL."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        if process.poll() is not None:
+            return
+        process.send_signal(number)
+        try:
+            process.wait(END_TIMEOUT)
+        except subprocess.TimeoutExpired:
+            continue
+
+
+class RosGraph:
+    """Context manager that runs a launch file; logs go to `folder`."""
+
+    def __init__(self, package, launch_file, arguments, folder):
+        port = free_port()
+        self.log = folder / "roslaunch.log"
+        command = ["roslaunch", "--port", str(port), package, launch_file]
+        command += [f"{name}:={value}" for name, value in arguments.items()]
+        with open(self.log, "wb") as log:
+            # In its own session: Ctrl-C reaches only this program, which then shuts the graph down.
+            self.process = subprocess.Popen(command, env=environment(port, folder), stdin=subprocess.DEVNULL,
+                                            stdout=log, stderr=subprocess.STDOUT,
+                                            start_new_session=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop()
+
+    def wait(self, seconds, tick=lambda elapsed: None):
+        """True if the graph ended by itself within `seconds`. Calls `tick` with the elapsed time."""
+        begin = time.monotonic()
+        while self.process.poll() is None:
+            elapsed = time.monotonic() - begin
+            if elapsed > seconds:
+                return False
+            tick(elapsed)
+            time.sleep(0.2)
+        return True
+
+    def stop(self):
+        started = descendants_of(self.process.pid)
+        end(self.process)
+        if self.process.returncode != -signal.SIGKILL:
+            return
+        # A killed roslaunch leaves its nodes running.
+        for pid in started:
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass

@@ -1,0 +1,394 @@
+"""Figures of one or more runs. Each function returns a matplotlib figure."""
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from . import protection
+from .columns import INLIER_RATIO, STATUS
+from .consistency import AXES, CHI2_95, format_nees
+from .plot_style import (BAD, COLOURS, GOOD, STATUS_COLOURS, TRUTH, WARNING, WIDTH, colour, frame_on, new_figure,
+                         plt)
+from .scan_match import INLIER_DISTANCE
+from .trajectory import spans
+
+# Colour of the truth under an estimate.
+TRUTH_UNDER = "#b3b9c1"
+# Upper end of the error colour scale, m.
+MAX_COLOUR_ERROR = 1.0
+ERROR_COLOURS = "rainbow"
+_DEGREES_PER_UNIT = (1.0, 1.0, 180.0 / np.pi)
+_MATCH_COLOURS = ListedColormap([GOOD, BAD])
+# Classes of beams: columns of updates.csv and their colours.
+_BEAM_CLASSES = {INLIER_RATIO: GOOD, "obstructed": "#56b4e9", "contradicted": BAD, "unmapped": "#c3c8cf"}
+# Stanford diagrams: limits of errors and levels, m and degrees.
+_STANFORD_LIMITS = ((1e-3, 20.0), (1e-3, 20.0), (1e-2, 180.0))
+
+
+def plan_grid(count, points):
+    """A figure and its axes for `count` plans of the same extent, arranged by their aspect ratio."""
+    extent = np.ptp(points, axis=0) + 3.0
+    columns = 1 if count == 1 else min(count, 2 if extent[0] > 0.7 * extent[1] else 3)
+    rows = -(-count // columns)
+    height = WIDTH / columns * min(1.1, max(0.35, extent[1] / extent[0])) * rows + 0.7
+    figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, min(height, 14.0)), squeeze=False)
+    for unused in axes.flat[count:]:
+        unused.set_visible(False)
+    return figure, list(axes.flat[:count])
+
+
+def _driven(runs):
+    """The points that a plan of these runs must show. Estimates more than 3 m outside the extent of the
+    truth are left out."""
+    points = []
+    for run in runs:
+        estimate = run.trajectory.poses[:, :2]
+        if run.truth is not None:
+            true = run.truth.poses[:, :2]
+            points.append(true)
+            near = ((estimate > true.min(axis=0) - 3.0) & (estimate < true.max(axis=0) + 3.0)).all(axis=1)
+            estimate = estimate[near]
+        points.append(estimate)
+    return np.concatenate(points)
+
+
+def trajectories(runs, grid_map):
+    """The estimates on the map; with a truth, over it and coloured by their error."""
+    points = _driven(runs)
+    figure, plans = plan_grid(len(runs), points)
+    worst = [run.errors.position.max() for run in runs if run.errors is not None]
+    limit = float(np.clip(max(worst), 0.05, MAX_COLOUR_ERROR)) if worst else None
+    lines = None
+    for index, (run, axes) in enumerate(zip(runs, plans)):
+        if grid_map is not None:
+            grid_map.draw(axes)
+        if run.errors is None:
+            axes.plot(*run.trajectory.poses[:, :2].T, color=colour(index), linewidth=1.6)
+            first = run.trajectory.poses[0]
+            handles = [Line2D([], [], color=colour(index), label="estimate")]
+        else:
+            axes.plot(*run.truth.poses[:, :2].T, color=TRUTH_UNDER, linewidth=5.0, zorder=2)
+            estimate = run.errors.estimate[:, :2]
+            segments = np.stack((estimate[:-1], estimate[1:]), axis=1)
+            lines = LineCollection(segments, cmap=ERROR_COLOURS, norm=Normalize(0.0, limit), linewidth=1.8,
+                                   zorder=3)
+            lines.set_array(run.errors.position[1:])
+            axes.add_collection(lines)
+            first = run.errors.truth[0]
+            handles = [Line2D([], [], color=TRUTH_UNDER, linewidth=5.0, label="truth"),
+                       Line2D([], [], color=plt.get_cmap(ERROR_COLOURS)(0.2), linewidth=1.8,
+                              label="estimate, coloured by error")]
+        axes.plot(*first[:2], marker="o", markersize=7, color="white", markeredgecolor=TRUTH,
+                  zorder=5)
+        handles.append(Line2D([], [], marker="o", color="none", markerfacecolor="white",
+                              markeredgecolor=TRUTH, label="start"))
+        frame_on(axes, points)
+        axes.set_title(run.name)
+        if index == 0:
+            axes.legend(handles=handles, loc="best")
+    if lines is not None:
+        over = max(worst) > limit
+        bar = figure.colorbar(lines, ax=plans, shrink=0.8, pad=0.01,
+                              extend="max" if over else "neither")
+        bar.set_label("position error (m)")
+    return figure
+
+
+def _time_axis(axes):
+    axes.set_xlabel("time (s)")
+    axes.margins(x=0.01)
+
+
+def _run_legend(figure, axes, runs, height):
+    """Names the runs above a figure of several."""
+    if len(runs) > 1:
+        figure.legend(*axes.get_legend_handles_labels(), loc="upper center", ncol=4,
+                      bbox_to_anchor=(0.5, height))
+
+
+def _is_wide(runs):
+    """Whether the errors need a logarithmic scale."""
+    typical = min(np.median(run.errors.position) for run in runs)
+    return max(run.errors.position.max() for run in runs) > 20.0 * max(typical, 1e-3)
+
+
+def _min_shown(runs):
+    return max(1e-3, min(np.percentile(run.errors.position, 1) for run in runs))
+
+
+def _without_wraps(degrees):
+    """Angles with NaN at steps across 180 degrees, so that no line is drawn there."""
+    shown = np.array(degrees)
+    shown[1:][np.abs(np.diff(degrees)) > 180.0] = np.nan
+    return shown
+
+
+def errors_over_time(runs, lost_error):
+    """Position, heading and cross-track error of each run."""
+    figure, axes = new_figure(3, 1, height=7.2, sharex=True)
+    position, heading, cross = axes[:, 0]
+    for index, run in enumerate(runs):
+        seconds = run.errors.seconds(run.start)
+        style = {"color": colour(index), "linewidth": 0.9, "label": run.name}
+        position.plot(seconds, run.errors.position, **style)
+        heading.plot(seconds, _without_wraps(np.degrees(run.errors.heading)), **style)
+        cross.plot(seconds, run.errors.cross_track, **style)
+    if _is_wide(runs):
+        position.set_yscale("log")
+        position.set_ylim(bottom=_min_shown(runs))
+    else:
+        position.set_ylim(bottom=0.0)
+    if max(run.errors.position.max() for run in runs) > lost_error:
+        position.axhline(lost_error, color=BAD, linestyle="--", linewidth=1.0)
+        position.text(0.995, lost_error, f"lost above {lost_error:g} m", color=BAD, ha="right",
+                      va="bottom", transform=position.get_yaxis_transform(), fontsize=9)
+    position.set_ylabel("position error (m)")
+    heading.set_ylabel("heading error (deg)\n+ = left")
+    cross.set_ylabel("cross-track error (m)\n+ = left of the car")
+    for signed in (heading, cross):
+        signed.axhline(0.0, color="#888888", linewidth=0.7)
+    _time_axis(cross)
+    _run_legend(figure, position, runs, 1.05)
+    return figure
+
+
+def histograms(runs):
+    """Histogram and cumulative distribution of the position error."""
+    figure, axes = new_figure(1, 2, height=3.6)
+    counts, cumulative = axes[0]
+    top = max(run.errors.position.max() for run in runs)
+    wide = _is_wide(runs)
+    bins = np.geomspace(_min_shown(runs), top, 60) if wide else np.linspace(0.0, top, 60)
+    for index, run in enumerate(runs):
+        error = np.sort(run.errors.position)
+        counts.hist(error, bins=bins, weights=np.full(len(error), 100.0 / len(error)),
+                    color=colour(index), alpha=0.25)
+        counts.hist(error, bins=bins, weights=np.full(len(error), 100.0 / len(error)),
+                    color=colour(index), histtype="step", linewidth=1.2, label=run.name)
+        cumulative.plot(error, 100.0 * np.arange(1, len(error) + 1) / len(error), color=colour(index),
+                        label=run.name)
+    for plot in (counts, cumulative):
+        plot.set_xlabel("position error (m)")
+        if wide:
+            plot.set_xscale("log")
+    counts.set_ylabel("truth stamps (%)")
+    cumulative.set_ylabel("truth stamps with\na smaller error (%)")
+    cumulative.axhline(95.0, color="#888888", linestyle=":", linewidth=1.0)
+    cumulative.set_ylim(0.0, 100.5)
+    cumulative.legend(loc="lower right")
+    return figure
+
+
+def consistency(run, measured):
+    """Errors of the updates with the estimated 3-sigma band, and their NEES."""
+    figure, axes = new_figure(4, 1, height=8.0, sharex=True)
+    stamps = run.updates.stamps[measured.selected]
+    seconds = (stamps - run.start) * 1e-9
+    for axis, name in enumerate(AXES):
+        plot, unit = axes[axis, 0], "deg" if name == "yaw" else "m"
+        scale = _DEGREES_PER_UNIT[axis]
+        error, band = scale * measured.errors[:, axis], 3.0 * scale * measured.sigmas[:, axis]
+        outside = np.abs(error) > band
+        plot.fill_between(seconds, -band, band, color=COLOURS[0], alpha=0.18, linewidth=0,
+                          label="±3σ estimated")
+        plot.plot(seconds, error, color=COLOURS[0], linewidth=0.8, label="error")
+        plot.plot(seconds[outside], error[outside], ".", color=BAD, markersize=3,
+                  label="outside 3σ")
+        reach = 1.15 * max(np.percentile(np.abs(error), 99.5), 1.2 * np.percentile(band, 50))
+        plot.set_ylim(-reach, reach)
+        plot.set_ylabel(f"{name} error ({unit})")
+        plot.set_title(f"{name}: {100.0 * measured.within_3_sigma[axis]:.1f} % within 3σ", loc="left",
+                       fontsize=10)
+    axes[0, 0].legend(loc="upper right", ncol=3)
+    nees = axes[3, 0]
+    nees.semilogy(seconds, np.maximum(measured.nees, 1e-3), color=COLOURS[0], linewidth=0.7)
+    nees.axhline(3.0, color=GOOD, label="3: expected mean")
+    nees.axhline(CHI2_95, color=WARNING, linestyle="--",
+                 label=f"{CHI2_95:.1f}: expected 95 % quantile")
+    nees.set_title(f"NEES: mean {format_nees(measured.mean_nees)}, {100.0 * np.mean(measured.nees <= CHI2_95):.1f} % "
+                   f"below {CHI2_95:.1f}", loc="left", fontsize=10)
+    nees.set_ylabel("NEES")
+    nees.legend(loc="upper right", ncol=2)
+    _time_axis(nees)
+    return figure
+
+
+def filter_over_time(runs):
+    """Update time, effective sample size and number of particles of the runs that have them."""
+    runs = [run for run in runs if run.updates.column("update_ms") is not None]
+    figure, axes = new_figure(3, 1, height=7.0, sharex=True)
+    for index, run in enumerate(runs):
+        seconds = (run.updates.stamps - run.start) * 1e-9
+        particles = run.updates.column("particles")
+        weighted = particles > 0
+        style = {"color": colour(index), "linewidth": 0.7, "label": run.name}
+        axes[0, 0].semilogy(seconds, np.maximum(run.updates.column("update_ms"), 1e-3), **style)
+        fraction = run.updates.column("effective_sample_size")[weighted] / particles[weighted]
+        axes[1, 0].plot(seconds[weighted], 100.0 * fraction, **style)
+        axes[2, 0].semilogy(seconds[weighted], particles[weighted], **style)
+    axes[0, 0].set_ylabel("update (ms)")
+    axes[1, 0].set_ylabel("effective sample size\n(% of particles)")
+    axes[1, 0].set_ylim(0.0, 102.0)
+    axes[2, 0].set_ylabel("particles")
+    _time_axis(axes[2, 0])
+    _run_legend(figure, axes[0, 0], runs, 1.05)
+    return figure
+
+
+def _bars(axes, row, run, intervals, bar_colour):
+    """Draws intervals as bars with a minimal width."""
+    width = 0.003 * (run.trajectory.stamps[-1] - run.start) * 1e-9
+    bars = [((first - run.start) * 1e-9, max((last - first) * 1e-9, width))
+            for first, last in intervals]
+    axes.broken_barh(bars, (row - 0.4, 0.8), color=bar_colour, linewidth=0)
+
+
+def timeline(runs, rows):
+    """Intervals over time. `rows`: (run index, label, [(intervals, colour)])."""
+    figure, axes = new_figure(1, 1, height=0.9 + 0.42 * len(rows))
+    plan = axes[0, 0]
+    for row, (index, _, bars) in enumerate(rows):
+        for intervals, bar_colour in bars:
+            _bars(plan, row, runs[index], intervals, bar_colour)
+    plan.set_yticks(range(len(rows)))
+    plan.set_yticklabels([label for _, label, _ in rows])
+    plan.set_ylim(len(rows) - 0.4, -0.6)
+    plan.grid(False)
+    _time_axis(plan)
+    figure.legend(handles=[Patch(color=shade, label=name) for name, shade in
+                           [*STATUS_COLOURS.items(), ("update rejected", "#000000")]],
+                  loc="upper center", ncol=5, bbox_to_anchor=(0.5, 1.18))
+    return figure
+
+
+def _status_band(axes, seconds, status):
+    """The status as colours, each until the next update."""
+    until = np.append(seconds[1:], seconds[-1])
+    for state, shade in STATUS_COLOURS.items():
+        bars = [(seconds[first], until[last] - seconds[first])
+                for first, last in spans(np.arange(len(status)), status == state)]
+        axes.broken_barh(bars, (0.0, 1.0), color=shade, linewidth=0)
+    axes.set(ylim=(0.0, 1.0), yticks=[])
+    axes.set_ylabel("status", rotation=0, ha="right", va="center")
+    axes.grid(False)
+    axes.legend(handles=[Patch(color=shade, label=state) for state, shade in STATUS_COLOURS.items()],
+                loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=4, frameon=False)
+
+
+def _beam_classes(axes, seconds, updates):
+    """Fractions of the beam classes over time. Results of older versions lack some of the columns."""
+    fractions = {name: updates.column(name) for name in _BEAM_CLASSES if updates.column(name) is not None}
+    axes.stackplot(seconds, [100.0 * fraction for fraction in fractions.values()], labels=list(fractions),
+                   colors=[_BEAM_CLASSES[name] for name in fractions], alpha=0.65, linewidth=0)
+    conflict = updates.column("conflict")
+    if conflict is not None:
+        axes.plot(seconds, 100.0 * conflict, color=TRUTH, linewidth=1.0, label="conflict")
+    axes.set_ylim(0.0, 100.5)
+    axes.set_ylabel("beams (%)")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=5, frameon=False)
+
+
+def status_over_time(run, protected):
+    """Error (with a truth) and protection level, the status, and the beam classes (if the run has them)."""
+    seconds = (run.updates.stamps - run.start) * 1e-9
+    heights = ([3.0] if run.errors is not None else []) + [0.3]
+    heights += [2.0] if run.updates.column(INLIER_RATIO) is not None else []
+    figure, axes = new_figure(len(heights), 1, height=1.0 + 1.1 * sum(heights), sharex=True,
+                              gridspec_kw={"height_ratios": heights})
+    axes = list(axes[:, 0])
+    if run.errors is not None:
+        position = axes.pop(0)
+        position.semilogy(run.errors.seconds(run.start), np.maximum(run.errors.position, 1e-3),
+                          color=COLOURS[0], linewidth=1.0, label="error")
+        if protected is not None:
+            position.plot((protected.stamps - run.start) * 1e-9, np.hypot(*protected.levels[:, :2].T),
+                          color=WARNING, linewidth=1.0, label="protection level, position")
+        position.set_ylabel("position (m)")
+        position.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=2, frameon=False)
+    _status_band(axes[0], seconds, run.updates.column(STATUS))
+    if len(axes) > 1:
+        _beam_classes(axes[1], seconds, run.updates)
+    _time_axis(axes[-1])
+    figure.suptitle(run.name, fontsize=11, fontweight="bold")
+    return figure
+
+
+def stanford(run, protected):
+    """Stanford diagrams: two-dimensional histograms of error and level, one per axis."""
+    figure, axes = new_figure(1, 3, height=4.0)
+    norm = LogNorm(1.0, max(10.0, len(protected.stamps)))
+    for axis, (plan, name) in enumerate(zip(axes[0], protection.AXES)):
+        low, high = _STANFORD_LIMITS[axis]
+        unit, scale = ("deg", 180.0 / np.pi) if name == "heading" else ("m", 1.0)
+        error, level = (np.clip(scale * values[:, axis], low, high)
+                        for values in (protected.errors, protected.levels))
+        bins = np.geomspace(low, high, 46)
+        shown = plan.hist2d(error, level, bins=[bins, bins], cmap="viridis", norm=norm, cmin=1,
+                            zorder=3)[3]
+        plan.fill_between((low, high), (low, high), low, color=BAD, alpha=0.12, linewidth=0)
+        plan.plot((low, high), (low, high), color=BAD, linewidth=1.0, zorder=2)
+        fractions = protected.regions(axis)
+        _region_name(plan, 0.97, 0.03, "misleading", fractions, BAD, "bottom")
+        _region_name(plan, 0.03, 0.27, "nominal", fractions, GOOD, "bottom")
+        limit = scale * protection.alarm_limit(axis)
+        if limit < high:
+            above = np.array((low, limit, high))
+            plan.fill_between(above, np.maximum(above, limit), high, color=TRUTH_UNDER, alpha=0.35,
+                              linewidth=0)
+            plan.axhline(limit, color=TRUTH, linestyle="--", linewidth=1.0, zorder=2)
+            _region_name(plan, 0.03, 0.97, "unavailable", fractions, TRUTH, "top")
+        plan.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high),
+                 xlabel=f"error {name} ({unit})", ylabel=f"level ({unit})")
+    figure.colorbar(shown, ax=list(axes[0]), shrink=0.75, pad=0.01, label="updates")
+    figure.suptitle(run.name, fontsize=11, fontweight="bold")
+    return figure
+
+
+def _region_name(axes, x, y, name, fractions, shade, side):
+    axes.text(x, y, f"{name}\n{100.0 * fractions[name]:.2f} %", transform=axes.transAxes, color=shade,
+              fontsize=9, ha="left" if x < 0.5 else "right", va=side, zorder=4)
+
+
+def scans_on_map(runs, matches, grid_map):
+    """The end points of the scans at the estimated poses: green near walls, red elsewhere."""
+    points = _driven(runs)
+    shown = [measured.points for measured in matches]
+    low, high = points.min(axis=0) - 3.0, points.max(axis=0) + 3.0
+    near = np.concatenate([part[((part > low) & (part < high)).all(axis=1)] for part in shown] + [points])
+    figure, plans = plan_grid(len(runs), near)
+    for run, measured, axes in zip(runs, matches, plans):
+        grid_map.draw(axes, alpha=0.75)
+        step = max(1, len(measured.points) // 60000)
+        far = measured.distances[::step] > INLIER_DISTANCE
+        # Outliers last, on top.
+        order = np.argsort(far, kind="stable")
+        axes.scatter(*measured.points[::step][order].T, c=far[order], cmap=_MATCH_COLOURS, vmin=0,
+                     vmax=1, s=1.2, linewidths=0, alpha=0.6, rasterized=True)
+        axes.plot(*run.trajectory.poses[:, :2].T, color=COLOURS[0], linewidth=1.0)
+        frame_on(axes, near, margin=0.5)
+        axes.set_title(f"{run.name}\n{100.0 * measured.inlier_ratio:.1f} % of beams within {INLIER_DISTANCE:g} m; "
+                       f"mean {100.0 * measured.mean_distance:.1f} cm", fontsize=10)
+    figure.legend(handles=[
+        Line2D([], [], color=GOOD, marker="o", linestyle="", label=f"within {INLIER_DISTANCE:g} m of a wall"),
+        Line2D([], [], color=BAD, marker="o", linestyle="", label="farther away"),
+        Line2D([], [], color=COLOURS[0], label="estimate")], loc="upper center", ncol=3,
+        bbox_to_anchor=(0.5, 1.05))
+    return figure
+
+
+def match_over_time(runs, matches):
+    """Mean distance to walls and inlier ratio of each scan."""
+    figure, axes = new_figure(2, 1, height=4.8, sharex=True)
+    for index, (run, measured) in enumerate(zip(runs, matches)):
+        seconds = (measured.stamps - run.start) * 1e-9
+        style = {"color": colour(index), "linewidth": 0.8, "label": run.name}
+        axes[0, 0].plot(seconds, measured.mean_distances, **style)
+        axes[1, 0].plot(seconds, 100.0 * measured.inlier_ratios, **style)
+    axes[0, 0].set_ylabel("mean distance of\nend points to walls (m)")
+    axes[0, 0].set_ylim(bottom=0.0)
+    axes[1, 0].set_ylabel(f"beams within {INLIER_DISTANCE:g} m\nof a wall (%)")
+    axes[1, 0].set_ylim(0.0, 102.0)
+    _time_axis(axes[1, 0])
+    _run_legend(figure, axes[0, 0], runs, 1.08)
+    return figure

@@ -1,0 +1,185 @@
+#include "racecar_mcl/localizer/localizer.h"
+
+#include <algorithm>
+
+#include "racecar_mcl/scan/deskew.h"
+#include "racecar_mcl/sensor/distance_filter.h"
+
+namespace racecar_mcl {
+namespace {
+
+// The car is stationary if it moves less than this between two scans.
+constexpr double kStationaryDistance = 1e-3;  // m
+constexpr double kStationaryRotation = 1e-3;  // rad
+
+// Standard deviation of the common position error of the surfaces around the car, in cells. A
+// surface may be anywhere in its cell; the range bias removes the part that is common to all
+// surfaces.
+constexpr double kSurfaceSigma = 0.1;
+
+// Decorrelation distance of a converged set, in scan_decorrelation_distance per excess of the
+// outlier ratio over the typical one: consecutive scans repeat the outliers of an incomplete map
+// (docs/decisions.md).
+constexpr double kDecorrelationPerOutlierRatio = 1.5;
+
+bool isStationary(const Motion& motion) {
+  return motion.distance < kStationaryDistance && motion.rotation < kStationaryRotation;
+}
+
+/// Adds the position error of the map's surfaces.
+void addSurfaceError(const LocalizationMap& map, PoseEstimate* estimate) {
+  const double sigma = kSurfaceSigma * map.grid.geometry().resolution;
+  estimate->covariance(0, 0) += sigma * sigma;
+  estimate->covariance(1, 1) += sigma * sigma;
+}
+
+}  // namespace
+
+ScanResult Localizer::update(const Scan& scan) {
+  ScanResult result;
+  result.stamp = scan.stamp;
+  result.status = monitor_.status();
+  ++counters_.scans_seen;
+  result.outcome = check(scan);
+  result.odometry_lag = extrapolator_.odometryLag(scan.stamp);
+  if (result.outcome == ScanOutcome::kUsed) {
+    try {
+      run(scan, &result);
+    } catch (...) {
+      recoverFromError();
+      throw;
+    }
+  }
+  count(result.outcome);
+  return result;
+}
+
+ScanOutcome Localizer::check(const Scan& scan) {
+  if (!isWithin(scan.laser_in_base, kMaxMountOffset)) return ScanOutcome::kNotFinite;
+  const ScanOutcome outcome = extrapolator_.checkStamp(scan.stamp);
+  if (outcome != ScanOutcome::kUsed) return outcome;
+  if (!map_) return ScanOutcome::kNoMap;
+  return initialized() ? ScanOutcome::kUsed : ScanOutcome::kNoStart;
+}
+
+void Localizer::run(const Scan& scan, ScanResult* result) {
+  const Scan selected = preprocessor_.select(scan);
+  if (!preprocessor_.isEnough(selected)) {
+    result->outcome = ScanOutcome::kTooFewBeams;
+    result->status = monitor_.recordUnusableScan(scan.stamp);
+    return;
+  }
+  Step step = preprocess(selected);
+  PoseEstimate& estimate = result->update.estimate;
+  result->range_bias = range_bias_.bias();
+  result->distance_scale = calibration_.distanceScale();
+  result->turn_scale = calibration_.odometryTurn().scale();
+  result->turned_by_gyro = step.motion.turned_by_gyro;
+  if (step.is_stationary) {
+    result->outcome = ScanOutcome::kStationary;
+    estimate = step.before;
+    monitor(step, step.predicted, result);
+    return;
+  }
+  if (global_start_pending_) {
+    initializeFromScan(&step, &result->update);
+  } else {
+    predict(&step);
+    const bool was_converged = filter_.converged();
+    reweight(step, &result->update);
+    relocalize(filter_.converged() && !was_converged, &step, &result->update);
+  }
+  addSurfaceError(*map_, &estimate);
+  if (result->update.weights_vanished) result->outcome = ScanOutcome::kWeightsVanished;
+  monitor(step, estimate, result);
+  learn(step, *result);
+  extrapolator_.setReference(estimate, result->stamp, calibration_, noise_adaptation_.noiseScale());
+}
+
+Localizer::Step Localizer::preprocess(const Scan& selected) {
+  const PoseExtrapolator::ScanMotion motion = extrapolator_.beginScan(selected);
+  const MotionOrigin origin = motion.odometry.at(selected.stamp);
+  const BaseAfter base_after = [&](double seconds) {
+    return motion.odometry.motion(origin, selected.stamp + seconds).delta;
+  };
+  Step step;
+  step.scan = preprocessor_.correct(selected, {range_bias_.bias(), scan_direction_.isReversed()},
+                                    base_after);
+  if (scan_direction_.needsComparison(step.scan.turned)) {
+    step.mirrored = deskew(mirroredInTime(step.scan.sweep), base_after);
+  }
+  step.motion = motion.motion;
+  step.before = motion.before;
+  step.predicted = propagate(step.before, step.motion.delta, Eigen::Matrix3d::Zero());
+  // Without recent odometry, or if scans contradict the pose, the car may be moving.
+  const bool is_stationary =
+      motion.odometry_is_new && !recovery_.inConflict() && isStationary(step.motion);
+  scans_since_stop_ = is_stationary ? scans_since_stop_ + 1 : 0;
+  step.is_stationary = !global_start_pending_ && scans_since_stop_ > parameters_.stationary_updates;
+  return step;
+}
+
+void Localizer::predict(Step* step) {
+  step->is_refined =
+      parameters_.lidar_odometry && filter_.converged() && !monitor_.mapIsInformative();
+  if (step->is_refined) {
+    step->motion = lidar_odometry_.refine(step->motion, step->scan.beams);
+    step->predicted = propagate(step->before, step->motion.delta, Eigen::Matrix3d::Zero());
+  }
+  filter_.predict(step->motion);
+}
+
+void Localizer::reweight(const Step& step, UpdateResult* update) {
+  const MapView map = map_->view();
+  const Scan& scan = step.scan.beams;
+  // Only while localized: at a wrong pose the beams that contradict it would be rejected.
+  const bool rejects_obstacles =
+      parameters_.distance_filter && status().state == LocalizationState::kLocalized;
+  LikelihoodFieldModel coarse(map_->matcher.field(), parameters_.filter.num_threads);
+  SensorModel* const model = filter_.converged() ? sensor_model_.get() : &coarse;
+  std::optional<Scan> filtered;
+  if (rejects_obstacles) {
+    filtered =
+        withoutShortReturns(map, step.predicted.base_in_map, scan, parameters_.scan.min_beams);
+  }
+  *update = filter_.update(filtered ? *filtered : scan, model, &map, decorrelationDistance());
+}
+
+double Localizer::decorrelationDistance() const {
+  // While a place is being confirmed, scans count in full.
+  if (verifier_.confirming()) return 0.0;
+  return kDecorrelationPerOutlierRatio * parameters_.filter.scan_decorrelation_distance *
+         std::max(0.0, kTypicalInlierRatio - monitor_.baseline());
+}
+
+void Localizer::relocalize(bool just_converged, Step* step, UpdateResult* update) {
+  using Purpose = HypothesisVerifier::Purpose;
+  using Decision = HypothesisVerifier::Decision;
+  if (!filter_.converged()) return;
+  const Scan& scan = step->scan.beams;
+  if (verifier_.confirming() || verifier_.challenging()) {
+    const bool challenges = verifier_.challenging();
+    const Decision decision = verifier_.update(step->motion, searchMap(), scan, update->estimate);
+    if (decision == Decision::kProven) {
+      *update = filter_.replaceSet(verifier_.particles());
+      update->beams = static_cast<int>(scan.size());
+      step->jumped = just_converged = true;
+      verifier_.stop();
+      recovery_.reset();
+      ++counters_.recoveries;
+    } else if (challenges && decision != Decision::kUndecided) {
+      recovery_.onRejected(scan.stamp);
+    }
+    // While it is tested, the alternative place is reported as a cluster.
+    if (verifier_.challenging() && verifier_.candidate()) {
+      update->clusters.push_back({*verifier_.candidate(), verifier_.candidateProbability(), 0});
+    }
+  } else if (parameters_.relocalization == Relocalization::kFull && recovery_.searchIsDue()) {
+    verifier_.start(Purpose::kChallenge, searchMap(), scan, monitor_.wasLocalized());
+  }
+  if (!just_converged || parameters_.relocalization == Relocalization::kOff) return;
+  verifier_.start(Purpose::kConfirm, searchMap(), scan);
+  scans_since_stop_ = 0;  // scans of a stationary car are used for the confirmation
+}
+
+}  // namespace racecar_mcl

@@ -1,0 +1,90 @@
+// Monitoring of the localizer and online estimation of the sensors' systematic errors.
+#include "racecar_mcl/localizer/localizer.h"
+#include "racecar_mcl/sensor/scan_direction.h"
+
+namespace racecar_mcl {
+namespace {
+
+// Minimum inlier ratio of scans whose corrections are taken as errors of the odometry: where the
+// map is wrong, scans contradict correct odometry as well.
+constexpr double kMinInlierRatioForAdaptation = 0.9;
+
+}  // namespace
+
+void Localizer::monitor(const Step& step, const PoseEstimate& estimate, ScanResult* result) {
+  const Pose2 correction = between(step.predicted.base_in_map, estimate.base_in_map);
+  result->match = match_evaluator_.evaluate(map_->view(), estimate.base_in_map, step.scan.beams);
+  MonitorInput input;
+  input.stamp = result->stamp;
+  input.match = result->match;
+  input.converged = filter_.converged();
+  input.unconfirmed = verifier_.confirming();
+  input.estimate = estimate;
+  input.localizability = localizabilityOf(
+      scanInformation(map_->likelihood_field ? *map_->likelihood_field : map_->matcher.field(),
+                      compose(estimate.base_in_map, step.scan.beams.laser_in_base),
+                      step.scan.beams),
+      estimate.base_in_map.yaw);
+  input.travelled = step.motion.distance;
+  input.jumped = step.jumped;
+  input.correction = {correction.x, correction.y};
+  result->status = monitor_.update(input);
+  recovery_.update({result->stamp, filter_.converged(), result->status.conflict});
+}
+
+void Localizer::learn(const Step& step, const ScanResult& result) {
+  const Pose2& estimate = result.update.estimate.base_in_map;
+  if (step.jumped || !filter_.converged()) {
+    noise_adaptation_.reset();
+    lidar_odometry_.reset();
+    calibration_.restart();
+    return;
+  }
+  if (!parameters_.noise_adaptation || result.status.inlier_ratio < kMinInlierRatioForAdaptation) {
+    noise_adaptation_.reset();
+  } else {
+    Motion motion = step.motion;
+    motion.noise_scale = 1.0;
+    noise_adaptation_.learn(between(step.predicted.base_in_map, estimate),
+                            motionCovariance(parameters_.motion, motion), motion.seconds);
+  }
+  if (parameters_.lidar_odometry && !step.is_refined) {
+    lidar_odometry_.remember(step.scan.beams, estimate);
+  }
+  if (result.status.state == LocalizationState::kLocalized) calibrate(step, estimate);
+}
+
+void Localizer::calibrate(const Step& step, const Pose2& estimate) {
+  calibration_.learn(step.motion, between(step.predicted.base_in_map, estimate));
+  const double direction_log_odds =
+      step.mirrored ? scanLogOdds(map_->matcher.field(), estimate, step.scan.beams, *step.mirrored)
+                    : 0.0;
+  // A sweep that fits the map better in the opposite order is distorted.
+  if (map_->likelihood_field && !(direction_log_odds < 0.0)) {
+    range_bias_.learn(*map_->likelihood_field, estimate, step.scan.beams, step.motion.distance);
+  }
+  if (step.mirrored && scan_direction_.learn(direction_log_odds, step.scan.turned)) {
+    // Discard what was estimated from sweeps deskewed in the wrong order.
+    calibration_.forgetDelay();
+    range_bias_.reset();
+    noise_adaptation_.reset();
+  }
+}
+
+void Localizer::count(ScanOutcome outcome) {
+  switch (outcome) {
+    case ScanOutcome::kUsed:
+      ++counters_.scans_used;
+      break;
+    case ScanOutcome::kWeightsVanished:
+      ++counters_.weights_vanished;
+      break;
+    case ScanOutcome::kStationary:
+      ++counters_.scans_stationary;
+      break;
+    default:
+      ++counters_.scans_dropped;
+  }
+}
+
+}  // namespace racecar_mcl

@@ -1,0 +1,210 @@
+#include "racecar_mcl/localizer/pose_extrapolator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace racecar_mcl {
+namespace {
+
+// Odometry that has been missing for longer is assumed to have stopped: a scan does not wait for
+// it.
+constexpr double kOdometryTimeout = 0.5;  // s
+
+// A scan is an outlier if it is further ahead, in periods, of both odometry and scans.
+constexpr double kMaxOdometryPeriodsAhead = 1.0;
+constexpr double kMaxScanPeriodsAhead = 1.5;
+// The period of either before its second message.
+constexpr double kUnknownPeriod = 0.2;  // s
+
+double knownPeriod(double period) { return period > 0.0 ? period : kUnknownPeriod; }
+
+using Lock = std::lock_guard<std::mutex>;
+
+}  // namespace
+
+PoseExtrapolator::PoseExtrapolator(const OdometryParameters& odometry,
+                                   const MotionModelParameters& motion)
+    : parameters_(odometry),
+      motion_parameters_(motion),
+      odometry_(odometry),
+      scan_clock_jump_(odometry.clock_jump) {}
+
+void PoseExtrapolator::setParameters(const OdometryParameters& odometry,
+                                     const MotionModelParameters& motion) {
+  const Lock lock(*mutex_);
+  odometry_.setParameters(odometry);
+  parameters_ = odometry;
+  motion_parameters_ = motion;
+}
+
+OdometryOutcome PoseExtrapolator::addOdometry(const OdometrySample& sample) {
+  const Lock lock(*mutex_);
+  ++counters_.odometry_seen;
+  const OdometryOutcome outcome = odometry_.add(sample);
+  switch (outcome) {
+    case OdometryOutcome::kNotFinite:
+    case OdometryOutcome::kImplausible:
+    case OdometryOutcome::kRepeatedStamp:
+    case OdometryOutcome::kOutOfOrder:
+    case OdometryOutcome::kStampOutlier:
+      ++counters_.odometry_dropped;
+      return outcome;
+    case OdometryOutcome::kTimeJumpedBack:
+      ++counters_.time_jumps;
+      last_scan_stamp_.reset();
+      scan_clock_jump_.reset();
+      break;
+    case OdometryOutcome::kGap:
+      ++counters_.odometry_gaps;
+      break;
+    case OdometryOutcome::kUsed:
+      break;
+  }
+  ++counters_.odometry_used;
+  return outcome;
+}
+
+GyroOutcome PoseExtrapolator::addGyro(const GyroSample& sample) {
+  const Lock lock(*mutex_);
+  ++counters_.gyro_seen;
+  const GyroOutcome outcome = odometry_.add(sample);
+  const bool used = outcome == GyroOutcome::kUsed || outcome == GyroOutcome::kGap ||
+                    outcome == GyroOutcome::kTimeJumpedBack;
+  ++(used ? counters_.gyro_used : counters_.gyro_dropped);
+  return outcome;
+}
+
+bool PoseExtrapolator::covers(double stamp) const {
+  const Lock lock(*mutex_);
+  if (odometry_.odometry().empty()) return last_scan_stamp_.has_value();
+  const double newest = odometry_.odometry().newestStamp();
+  return newest >= stamp + std::min(0.0, odometry_.calibration().delay()) ||
+         newest < stamp - kOdometryTimeout;
+}
+
+Motion PoseExtrapolator::motionTo(double stamp) const {
+  Motion motion = odometry_.motion(reference_->origin, stamp);
+  motion.noise_scale = noise_scale_;
+  return motion;
+}
+
+std::optional<PoseEstimate> PoseExtrapolator::estimateAt(double stamp) const {
+  const Lock lock(*mutex_);
+  if (!reference_) return std::nullopt;
+  const Motion motion = motionTo(stamp);
+  return propagate(reference_->estimate, motion.delta,
+                   motionCovariance(motion_parameters_, motion));
+}
+
+std::optional<double> PoseExtrapolator::newest() const {
+  const OdometryBuffer& odometry = odometry_.odometry();
+  if (odometry.empty()) return last_scan_stamp_;
+  return std::max(odometry.newestStamp(), last_scan_stamp_.value_or(odometry.newestStamp()));
+}
+
+std::optional<double> PoseExtrapolator::newestStamp() const {
+  const Lock lock(*mutex_);
+  return newest();
+}
+
+double PoseExtrapolator::odometryLag(double stamp) const {
+  const Lock lock(*mutex_);
+  const OdometryBuffer& odometry = odometry_.odometry();
+  return odometry.empty() ? 0.0 : stamp - odometry.newestStamp();
+}
+
+PoseEstimate PoseExtrapolator::moveToNewest(const PoseEstimate& estimate, double stamp) const {
+  const Lock lock(*mutex_);
+  const OdometryBuffer& odometry = odometry_.odometry();
+  if (odometry.empty() || stamp < odometry.oldestStamp() || stamp >= *newest()) return estimate;
+  const Motion motion = odometry_.motion(odometry_.at(stamp), *newest());
+  return propagate(estimate, motion.delta, Eigen::Matrix3d::Zero());
+}
+
+Twist2 PoseExtrapolator::twist() const {
+  const Lock lock(*mutex_);
+  return odometry_.odometry().empty() ? Twist2{} : odometry_.odometry().newestTwist();
+}
+
+OdometryCounters PoseExtrapolator::counters() const {
+  const Lock lock(*mutex_);
+  return counters_;
+}
+
+void PoseExtrapolator::reset(const PoseEstimate& estimate, const OdometryCalibration& calibration) {
+  const Lock lock(*mutex_);
+  odometry_.setCalibration(calibration);
+  noise_scale_ = 1.0;
+  reference_ = Reference{estimate, odometry_.at(newest().value_or(0.0))};
+}
+
+bool PoseExtrapolator::initialized() const {
+  const Lock lock(*mutex_);
+  return reference_.has_value();
+}
+
+std::optional<PoseEstimate> PoseExtrapolator::lastEstimate() const {
+  const Lock lock(*mutex_);
+  if (!reference_) return std::nullopt;
+  return reference_->estimate;
+}
+
+std::optional<double> PoseExtrapolator::maxScanStamp() const {
+  std::optional<double> latest;
+  if (const OdometryBuffer& odometry = odometry_.odometry(); !odometry.empty()) {
+    latest = odometry.newestStamp() + kMaxOdometryPeriodsAhead * knownPeriod(odometry.period());
+  }
+  if (const std::optional<double> scan = scan_clock_jump_.newest()) {
+    const double next = *scan + kMaxScanPeriodsAhead * knownPeriod(scan_clock_jump_.period());
+    latest = std::max(next, latest.value_or(next));
+  }
+  return latest;
+}
+
+ScanOutcome PoseExtrapolator::checkStamp(double stamp) {
+  const Lock lock(*mutex_);
+  if (!isWithin(stamp, kMaxStamp)) return ScanOutcome::kNotFinite;
+  if (scan_clock_jump_.check(stamp, maxScanStamp().value_or(stamp)) == StampCheck::kOutlier) {
+    return ScanOutcome::kStampOutlier;
+  }
+  if (!last_scan_stamp_) return ScanOutcome::kUsed;
+  const double elapsed = stamp - *last_scan_stamp_;
+  if (elapsed == 0.0) return ScanOutcome::kRepeatedStamp;
+  if (elapsed > 0.0) return ScanOutcome::kUsed;
+  if (elapsed > -parameters_.clock_jump) return ScanOutcome::kOutOfOrder;
+  ++counters_.time_jumps;
+  last_scan_stamp_.reset();
+  // Odometry from before the jump belongs to the old time.
+  if (!odometry_.odometry().empty() &&
+      stamp <= odometry_.odometry().newestStamp() - parameters_.clock_jump) {
+    odometry_.reset();
+  }
+  return ScanOutcome::kTimeJumpedBack;
+}
+
+PoseExtrapolator::ScanMotion PoseExtrapolator::beginScan(const Scan& scan) {
+  const Lock lock(*mutex_);
+  if (!reference_) throw std::logic_error("there is no pose to extrapolate: initialize first");
+  last_scan_stamp_ = scan.stamp;
+  ScanMotion motion;
+  // Valid for either acquisition order.
+  const auto sweep_time = static_cast<double>(scan.seconds_after_stamp.abs().maxCoeff());
+  motion.odometry = odometry_.since(scan.stamp - sweep_time);
+  motion.before = reference_->estimate;
+  motion.motion = motionTo(scan.stamp);
+  motion.odometry_is_new =
+      !odometry_.odometry().empty() &&
+      scan.stamp - odometry_.odometry().newestStamp() <= parameters_.max_odometry_gap;
+  return motion;
+}
+
+void PoseExtrapolator::setReference(const PoseEstimate& estimate, double stamp,
+                                    const OdometryCalibration& calibration, double noise_scale) {
+  const Lock lock(*mutex_);
+  odometry_.setCalibration(calibration);
+  noise_scale_ = noise_scale;
+  reference_ = Reference{estimate, odometry_.at(stamp)};
+}
+
+}  // namespace racecar_mcl

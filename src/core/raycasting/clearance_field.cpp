@@ -1,0 +1,72 @@
+#include "raycasting/clearance_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "racecar_mcl/map/distance_field.h"
+
+namespace racecar_mcl {
+namespace {
+
+// Distance past a border, in cells, at which the next cell is looked up: above the rounding error.
+constexpr double kBorderMargin = 1e-9;
+// Minimum magnitude of a direction's component, so that its inverse is finite.
+constexpr double kMinDirection = 1e-12;
+
+/// One axis of the traversal.
+struct Axis {
+  Axis(double origin_in, double direction_in)
+      : origin(origin_in),
+        direction(std::abs(direction_in) < kMinDirection ? kMinDirection : direction_in),
+        inverse(1.0 / direction),
+        to_exit(direction > 0.0 ? 1.0 + kBorderMargin : -kBorderMargin),
+        to_entry(direction > 0.0 ? 0.0 : 1.0) {}
+
+  int cellAt(double distance) const { return static_cast<int>(origin + distance * direction); }
+  double exit(int cell) const { return (cell + to_exit - origin) * inverse; }
+  double entry(int cell) const { return (cell + to_entry - origin) * inverse; }
+
+  double origin;
+  double direction;
+  double inverse;
+  double to_exit;   ///< from the cell's lower border to just past the border where the ray leaves
+  double to_entry;  ///< from the cell's lower border to the border where the ray enters
+};
+
+}  // namespace
+
+ClearanceField::ClearanceField(const OccupancyGrid& grid, UnknownIs unknown_is)
+    : cells_(cellKinds(grid, unknown_is)) {
+  std::vector<std::uint8_t> obstacles(cells_.size());
+  std::transform(cells_.begin(), cells_.end(), obstacles.begin(),
+                 [](std::uint8_t kind) { return kind != kPass; });
+  const std::vector<float> field =
+      clearances(obstacles, grid.geometry().width + 2, grid.geometry().height + 2);
+  std::transform(field.begin(), field.end(), cells_.begin(), cells_.begin(),
+                 [](float clearance, std::uint8_t kind) {
+                   return kind == kObstacle  ? kHit
+                          : kind == kOutside ? kMiss
+                                             : static_cast<std::uint8_t>(std::min(
+                                                   clearance, static_cast<float>(kMaxClearance)));
+                 });
+}
+
+double marchRay(const PaddedGrid& grid, const ClearanceField& field, const RayInCells& ray,
+                double limit) {
+  const Axis column(ray.x, ray.dx);
+  const Axis row(ray.y, ray.dy);
+  for (double distance = 0.0; distance < limit;) {
+    const int x = column.cellAt(distance);
+    const int y = row.cellAt(distance);
+    const std::uint8_t clearance = field.data()[grid.index(x, y)];
+    if (clearance == ClearanceField::kMiss) return limit;
+    if (clearance == ClearanceField::kHit) {
+      // Negative if the ray starts inside an obstacle.
+      return std::clamp(std::max(column.entry(x), row.entry(y)), 0.0, limit);
+    }
+    distance = std::min(column.exit(x), row.exit(y)) + clearance;
+  }
+  return limit;
+}
+
+}  // namespace racecar_mcl

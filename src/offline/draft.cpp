@@ -1,0 +1,135 @@
+#include "offline/draft.h"
+
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+#include <stdexcept>
+#include <system_error>
+
+namespace racecar_mcl {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxDrafts = 16;
+constexpr std::size_t kMaxPath = 4096;  // bytes, PATH_MAX of Linux
+
+/// The drafts that a signal removes. Fixed arrays: a signal handler must not allocate or lock.
+class DraftList {
+ public:
+  void add(const std::string& path) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    handleSignals();
+    for (auto& entry : paths_) {
+      if (entry[0] != '\0' || path.size() >= kMaxPath) continue;
+      // The first byte last: until then the entry is free.
+      std::copy(path.begin() + 1, path.end(), entry.begin() + 1);
+      entry[path.size()] = '\0';
+      entry[0] = path[0];
+      return;
+    }
+  }
+
+  void remove(const std::string& path) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (auto& entry : paths_) {
+      if (path == entry.data()) entry[0] = '\0';
+    }
+  }
+
+  /// Files first, then the folders that contained them.
+  void unlinkAll() {
+    for (const auto& entry : paths_) {
+      if (entry[0] != '\0') unlink(entry.data());
+    }
+    for (const auto& entry : paths_) {
+      if (entry[0] != '\0') rmdir(entry.data());
+    }
+  }
+
+ private:
+  /// Signals that are ignored or handled already are left alone.
+  void handleSignals();
+
+  std::mutex mutex_;
+  bool handles_signals_ = false;
+  std::array<std::array<char, kMaxPath>, kMaxDrafts> paths_ = {};
+};
+
+DraftList& drafts() {
+  static auto* const list = new DraftList;  // never destroyed: a signal may come at the exit
+  return *list;
+}
+
+void removeDrafts(int signal_number) {
+  drafts().unlinkAll();
+  raise(signal_number);  // SA_RESETHAND has restored the default, which ends the process
+}
+
+void DraftList::handleSignals() {
+  if (handles_signals_) return;
+  handles_signals_ = true;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction now = {};
+    if (sigaction(number, nullptr, &now) != 0 || now.sa_handler != SIG_DFL) continue;
+    struct sigaction ours = {};
+    ours.sa_handler = removeDrafts;
+    ours.sa_flags = SA_RESETHAND | SA_NODEFER;
+    sigaction(number, &ours, nullptr);
+  }
+}
+
+/// The permissions of a file that is created by open().
+mode_t defaultFileMode() {
+  const mode_t mask = umask(0);
+  umask(mask);
+  return 0666 & ~mask;
+}
+
+}  // namespace
+
+Draft::Draft(const std::string& path, Kind kind) : path_(path) {
+  const fs::path target(path);
+  const std::string extension = kind == Kind::kFile ? target.extension().string() : "";
+  draft_ = (target.parent_path() / (target.stem().string() + ".XXXXXX" + extension)).string();
+  bool created = false;
+  if (kind == Kind::kFolder) {
+    created = mkdtemp(draft_.data()) != nullptr;
+  } else {
+    const int file = mkstemps(draft_.data(), static_cast<int>(extension.size()));
+    created = file >= 0;
+    if (created) {
+      fchmod(file, defaultFileMode());
+      close(file);
+    }
+  }
+  if (!created) {
+    throw std::runtime_error(path +
+                             ": cannot be written: " + std::generic_category().message(errno) +
+                             "; expected a path in a folder that exists and can be written");
+  }
+  drafts().add(draft_);
+}
+
+Draft::~Draft() {
+  std::error_code ignored;
+  if (!draft_.empty()) fs::remove_all(draft_, ignored);
+  drafts().remove(draft_);
+}
+
+void Draft::commit(const std::string& path) {
+  std::error_code error;
+  fs::rename(draft_, path, error);
+  if (error) throw std::runtime_error(path + ": cannot be written: " + error.message());
+  drafts().remove(draft_);
+  draft_.clear();
+}
+
+}  // namespace racecar_mcl

@@ -1,0 +1,98 @@
+#include "ros/localization/pose_file.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+
+namespace racecar_mcl {
+namespace {
+
+// An odometry pose that has moved faster was reset, or belongs to another time.
+constexpr double kMaxSpeed = 15.0;  // m/s, above that of a 1/10-scale car
+// After a restart of the odometry its pose is about zero.
+constexpr double kResetDistance = 0.5;  // m
+// Standard deviations of the resumed pose, and their growth per metre driven.
+constexpr double kPositionSigma = 0.1;           // m
+constexpr double kPositionSigmaPerMetre = 0.05;  // m/m
+constexpr double kYawSigma = 0.05;               // rad
+constexpr double kYawSigmaPerMetre = 0.02;       // rad/m
+
+void writePose(const char* name, const Pose2& pose, std::ostream* out) {
+  *out << name << ": [" << pose.x << ", " << pose.y << ", " << pose.yaw << "]\n";
+}
+
+Pose2 readPose(const YAML::Node& node) {
+  if (!node.IsSequence() || node.size() != 3) throw std::runtime_error("a pose has 3 numbers");
+  const Pose2 pose{node[0].as<double>(), node[1].as<double>(), node[2].as<double>()};
+  if (!isFinite(pose)) throw std::runtime_error("a pose is not finite");
+  return pose;
+}
+
+}  // namespace
+
+std::string mapIdentity(const GridGeometry& geometry) {
+  std::ostringstream text;
+  text << geometry.width << " x " << geometry.height << " cells of " << geometry.resolution
+       << " m, origin " << geometry.origin.x << " " << geometry.origin.y << " "
+       << geometry.origin.yaw;
+  return text.str();
+}
+
+void writePoseFile(const std::string& path, const SavedPose& pose) {
+  const std::string draft = path + ".new";
+  std::ofstream file(draft);
+  file << "# The last pose of racecar_mcl: x (m), y (m), yaw (rad). Stamp in s.\n"
+       << std::setprecision(std::numeric_limits<double>::max_digits10) << "map: " << pose.map
+       << '\n';
+  writePose("base_in_map", pose.base_in_map, &file);
+  if (pose.odometry) {
+    writePose("base_in_odom", pose.odometry->base_in_odom, &file);
+    file << "odometry_stamp: " << pose.odometry->stamp << '\n';
+  }
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(draft, path, error);
+  if (!file || error) throw std::runtime_error("the last pose cannot be written to " + path);
+}
+
+std::optional<SavedPose> readPoseFile(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return std::nullopt;
+  try {
+    const YAML::Node file = YAML::LoadFile(path);
+    SavedPose pose;
+    pose.map = file["map"].as<std::string>();
+    pose.base_in_map = readPose(file["base_in_map"]);
+    if (file["base_in_odom"]) {
+      pose.odometry = {file["odometry_stamp"].as<double>(), readPose(file["base_in_odom"])};
+    }
+    return pose;
+  } catch (const std::exception& error) {
+    throw std::runtime_error("the last pose cannot be read from " + path + ": " + error.what());
+  }
+}
+
+PoseEstimate resumedPose(const SavedPose& saved, const std::optional<OdometryPose>& now) {
+  PoseEstimate start{saved.base_in_map, Eigen::Matrix3d::Zero()};
+  if (!saved.odometry || !now) return start;
+  const double elapsed = now->stamp - saved.odometry->stamp;
+  const Pose2& before = saved.odometry->base_in_odom;
+  const double driven = distance(before, now->base_in_odom);
+  const bool is_reset =
+      distance(now->base_in_odom, {}) < kResetDistance && driven > 2.0 * kResetDistance;
+  if (elapsed < 0.0 || is_reset || driven > kResetDistance + kMaxSpeed * elapsed) return start;
+  start.base_in_map = compose(saved.base_in_map, compose(inverse(before), now->base_in_odom));
+  const double position = kPositionSigma + kPositionSigmaPerMetre * driven;
+  const double yaw = kYawSigma + kYawSigmaPerMetre * driven;
+  start.covariance.diagonal() << position * position, position * position, yaw * yaw;
+  return start;
+}
+
+}  // namespace racecar_mcl

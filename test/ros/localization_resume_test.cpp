@@ -1,0 +1,85 @@
+// The last pose in a file: saving it, and continuing from it.
+#include <fstream>
+
+#include "support/localization_fixture.h"
+#include "support/temporary_directory.h"
+
+namespace racecar_mcl {
+namespace {
+
+/// A node that saves its pose, and a second one that starts afterwards.
+class LocalizationResumeTest : public LocalizationTest {
+ protected:
+  LocalizationResumeTest() { parameters_.setParam("last_pose_file", file_); }
+
+  void restartNode() {
+    node_.reset();
+    listener_.forget();
+    startNode();
+    ASSERT_TRUE(listener_.waitForLog("map of"));
+  }
+
+  TemporaryDirectory folder_;
+  std::string file_ = (folder_.path() / "last_pose.yaml").string();
+};
+
+TEST_F(LocalizationResumeTest, ContinuesFromTheLastPoseAndTheMotionSince) {
+  startLocalized();
+  expectStillLocalizes();
+  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+  node_.reset();
+  car_.advance(1.0);  // a metre, while there is no node
+  restartNode();
+  EXPECT_TRUE(listener_.waitFor([&] { return drive(0.1) > 0; }));
+  EXPECT_EQ(listener_.logged("continuing from the last pose in " + file_), 1);
+  expectStillLocalizes();
+  EXPECT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+}
+
+TEST_F(LocalizationResumeTest, AStartPoseHasPriorityUnlessTheNodeIsRespawned) {
+  startLocalized();
+  expectStillLocalizes();
+  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+  parameters_.setParam("initial_pose", "2 2 0");
+  restartNode();  // has run before with the same parameters: a respawn
+  EXPECT_EQ(listener_.logged("localizing from"), 0);
+  EXPECT_TRUE(listener_.waitFor([&] { return drive(0.1) > 0; }));
+  EXPECT_EQ(listener_.logged("continuing from the last pose"), 1);
+  expectStillLocalizes();
+
+  node_.reset();
+  parameters_.deleteParam("started");  // as a launch does
+  listener_.forget();
+  startNode();
+  EXPECT_TRUE(listener_.waitForLog("localizing from (2.000 m, 2.000 m"));
+  EXPECT_EQ(listener_.logged("continuing from the last pose"), 0);
+}
+
+TEST_F(LocalizationResumeTest, ADamagedFileOrAnotherMapIsNamedAndTheNodeWaitsForAStart) {
+  std::ofstream(file_) << "map: of nowhere\nbase_in_map: [1, 2";
+  startNode();
+  EXPECT_TRUE(listener_.waitForLog("the last pose cannot be read from " + file_));
+  node_.reset();
+  std::ofstream(file_) << "map: of nowhere\nbase_in_map: [1, 2, 0]\n";
+  startNode();
+  publishMap();
+  ASSERT_TRUE(listener_.waitForLog("map of"));
+  drive(0.2);
+  EXPECT_TRUE(listener_.waitForLog("has of nowhere; this one 162 x 122 cells"));
+  EXPECT_TRUE(listener_.waitFor(
+      [&] { return listener_.diagnostics().message == "waiting for a start pose"; }));
+}
+
+TEST_F(LocalizationResumeTest, APoseThatCannotBeSavedIsAWarning) {
+  parameters_.setParam("last_pose_file", (folder_.path() / "none/last_pose.yaml").string());
+  startLocalized();
+  expectStillLocalizes();
+  EXPECT_TRUE(listener_.waitFor([&] {
+    drive(0.2);
+    return listener_.logged("the last pose cannot be written to") > 0;
+  }));
+  expectStillLocalizes();
+}
+
+}  // namespace
+}  // namespace racecar_mcl

@@ -1,0 +1,70 @@
+#include "ros/localization/pose_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "support/temporary_directory.h"
+
+namespace racecar_mcl {
+namespace {
+
+SavedPose savedPose() {
+  return {"one map", {1.0, 2.0, 0.5}, OdometryPose{100.0, {10.0, 0.0, 0.0}}};
+}
+
+TEST(PoseFile, ReturnsWhatWasWritten) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder.path() / "pose.yaml").string();
+  EXPECT_FALSE(readPoseFile(path));
+  writePoseFile(path, savedPose());
+  writePoseFile(path, savedPose());
+  const std::optional<SavedPose> read = readPoseFile(path);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->map, "one map");
+  EXPECT_EQ(read->base_in_map.yaw, 0.5);
+  ASSERT_TRUE(read->odometry);
+  EXPECT_EQ(read->odometry->stamp, 100.0);
+  EXPECT_EQ(read->odometry->base_in_odom.x, 10.0);
+  // Nothing but the file is left.
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(PoseFile, NamesTheFileThatIsWrong) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder.path() / "pose.yaml").string();
+  for (const char* content : {"", "map: one\n", "map: one\nbase_in_map: [1, 2]\n", "{[", "\x01\x02",
+                              "map: one\nbase_in_map: [1, .nan, 2]\n"}) {
+    std::ofstream(path) << content;
+    try {
+      readPoseFile(path);
+      ADD_FAILURE() << "no error for " << content;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(writePoseFile((folder.path() / "none/pose.yaml").string(), savedPose()),
+               std::runtime_error);
+}
+
+TEST(ResumedPose, MovesWithOdometryThatHasRunOn) {
+  const PoseEstimate start = resumedPose(savedPose(), OdometryPose{101.0, {13.0, 0.0, 0.0}});
+  EXPECT_NEAR(start.base_in_map.x, 1.0 + 3.0 * std::cos(0.5), 1e-9);
+  EXPECT_NEAR(start.base_in_map.y, 2.0 + 3.0 * std::sin(0.5), 1e-9);
+  EXPECT_NEAR(std::sqrt(start.covariance(0, 0)), 0.25, 1e-9);
+}
+
+TEST(ResumedPose, IsTheSavedOneIfTheOdometryWasResetOrIsUnknown) {
+  const auto expect_saved = [](const PoseEstimate& start) {
+    EXPECT_EQ(start.base_in_map.x, 1.0);
+    EXPECT_EQ(start.covariance(0, 0), 0.0);
+  };
+  expect_saved(resumedPose(savedPose(), std::nullopt));
+  expect_saved(resumedPose(savedPose(), OdometryPose{130.0, {0.1, 0.0, 0.0}}));   // reset
+  expect_saved(resumedPose(savedPose(), OdometryPose{5.0, {13.0, 0.0, 0.0}}));    // another time
+  expect_saved(resumedPose(savedPose(), OdometryPose{101.0, {90.0, 0.0, 0.0}}));  // too fast
+}
+
+}  // namespace
+}  // namespace racecar_mcl
