@@ -39,12 +39,14 @@ check_tidy() {
   return $failed
 }
 
-# tidy CHECKS FOLDER...: runs clang-tidy over these folders, with CHECKS added to those in .clang-tidy.
+# tidy CHECKS FOLDER...: runs clang-tidy over the files in these folders that the build compiles, with CHECKS added
+# to those in .clang-tidy.
 tidy() {
   local checks="$1"
   shift
-  (cd "$root" && git ls-files "$@" | grep '\.cpp$' | xargs -P "$(build_jobs)" -n 1 \
-    clang-tidy -p build --quiet --checks="$checks" 2> >(grep -v 'warnings.* generated' >&2))
+  (cd "$root" && git ls-files "$@" | grep '\.cpp$' | while read -r file; do
+    if grep -q "\"file\": \"$root/$file\"" build/compile_commands.json; then echo "$file"; fi
+  done | xargs -P "$(build_jobs)" -n 1 clang-tidy -p build --quiet --checks="$checks" 2> >(grep -v 'warnings.* generated' >&2))
 }
 
 check_docs() {

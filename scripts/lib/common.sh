@@ -22,14 +22,14 @@ wanted_packages() {
   if [ -d /opt/ros/noetic ]; then
     local name
     for name in ackermann-msgs catkin diagnostic-msgs dynamic-reconfigure geometry-msgs nav-msgs nodelet pluginlib \
-      rosbag roscpp rosgraph-msgs roslaunch rosnode rosout rospy rosservice rostest rostopic rviz sensor-msgs \
+      rosbag roscpp rosgraph rosgraph-msgs roslaunch rosnode rosout rospy rosservice rostest rostopic rviz sensor-msgs \
       std-msgs std-srvs tf2 tf2-msgs tf2-py tf2-ros visualization-msgs; do
       echo "ros-noetic-$name"
     done
   else
-    echo catkin libnodelet-dev libnodeletlib-dev libnodeletlib-tools pluginlib-dev librosbag-dev \
-      librostest-dev libtf2-msgs-dev libtf2-ros-dev python3-diagnostic-msgs python3-nav-msgs \
-      python3-rosbag python3-roslaunch python3-rosnode python3-rospy python3-rosservice python3-rostest \
+    echo catkin libdynamic-reconfigure-config-init-mutex-dev libnodelet-dev libnodeletlib-dev \
+      libnodeletlib-tools pluginlib-dev librosbag-dev librostest-dev libtf2-msgs-dev libtf2-ros-dev \
+      python3-diagnostic-msgs python3-dynamic-reconfigure python3-nav-msgs python3-rosbag python3-rosgraph python3-roslaunch python3-rosnode python3-rospy python3-rosservice python3-rostest \
       python3-rostopic python3-sensor-msgs python3-std-srvs python3-tf2 \
       python3-tf2-msgs python3-visualization-msgs ros-core-dev rosbash rosout rviz tf2-tools
   fi
@@ -38,7 +38,7 @@ wanted_packages() {
 # What the checks in checks.sh need. Ubuntu 20.04 has other versions, which find other things.
 check_packages() {
   if grep -q '^VERSION_CODENAME=bookworm' /etc/os-release; then
-    echo catkin-lint clang-format clang-tidy doxygen pre-commit
+    echo catkin-lint clang-format clang-tidy doxygen git pre-commit
   fi
 }
 

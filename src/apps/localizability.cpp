@@ -148,6 +148,7 @@ cv::Mat draw(const Options& o, const OccupancyGrid& grid, const std::vector<Plac
 
 void print(const Options& o, const std::vector<Place>& places) {
   std::vector<double> sigmas;
+  sigmas.reserve(places.size());
   for (const Place& place : places) sigmas.push_back(place.sigma);
   std::sort(sigmas.begin(), sigmas.end());
   const auto quantile = [&](double share) {

@@ -83,9 +83,9 @@ void run(const Options& o) {
 }  // namespace racecar_mcl
 
 int main(int argc, char** argv) {
-  using namespace racecar_mcl;
-  return runProgram<Options>(argc, argv, "translate_parameters",
-                             "Prints a parameter file of amcl, of the course's lab 5 or of MIT's "
-                             "particle_filter with the names of this package.",
-                             addOptions, run);
+  return racecar_mcl::runProgram<racecar_mcl::Options>(
+      argc, argv, "translate_parameters",
+      "Prints a parameter file of amcl, of the course's lab 5 or of MIT's particle_filter with the "
+      "names of this package.",
+      racecar_mcl::addOptions, racecar_mcl::run);
 }

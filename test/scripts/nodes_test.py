@@ -63,7 +63,7 @@ class Teleop(unittest.TestCase):
     def end(self, number, delay):
         master, slave = pty.openpty()
         before = teleop.termios.tcgetattr(slave)
-        # Without a master it waits for its registration, already in raw mode; a signal ends it.
+        # Without a master it waits for one, already in raw mode; a signal ends it.
         environment = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:1")
         with subprocess.Popen([TELEOP], stdin=slave, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL, env=environment) as process:
