@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "racecar_mcl/geometry/pose_batch.h"
@@ -30,10 +31,10 @@ void validate(const LikelihoodFieldParameters& parameters);
 ///   log((1 - z_rand) / (1 + (d / field_scale)^2) + z_rand).
 ///
 /// Surfaces are those of findSurfaces. Inside blurred walls d is multiplied by inside_wall_factor,
-/// since the true surface may be anywhere inside. Values are stored per cell and interpolated
-/// bilinearly between cell centres. The tails are those of a Cauchy distribution instead of a
-/// Gaussian: map errors are larger than the lidar's noise. A beam that ends outside the map by more
-/// than four field_scale has the likelihood z_rand.
+/// since the true surface may be anywhere inside. Values are stored per cell, in 255 steps between
+/// log(z_rand) and 0, and interpolated bilinearly between cell centres. The tails are those of a
+/// Cauchy distribution instead of a Gaussian: map errors are larger than the lidar's noise. A beam
+/// that ends outside the map by more than four field_scale has the likelihood z_rand.
 class LikelihoodField {
  public:
   LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);
@@ -59,7 +60,7 @@ class LikelihoodField {
   double scale() const { return parameters_.field_scale; }  ///< m
   double likelihoodExponent() const { return parameters_.likelihood_exponent; }
 
-  std::size_t memoryBytes() const { return log_field_.size() * sizeof(float); }
+  std::size_t memoryBytes() const { return cells_.size() * sizeof(cells_[0]); }
 
  private:
   LikelihoodFieldParameters parameters_;
@@ -67,7 +68,10 @@ class LikelihoodField {
   float max_range_;
   float exponent_;
   float log_rand_;
-  std::vector<float> log_field_;  ///< row by row, values at the cell centres
+  float log_step_;  ///< of the stored values
+  /// Row by row, values at the cell centres: in the low byte that of the cell, in the high byte
+  /// that of the cell above it. Two neighbours in a row hold the four corners of an interpolation.
+  std::vector<std::uint16_t> cells_;
 };
 
 }  // namespace racecar_mcl

@@ -12,6 +12,10 @@ namespace {
 // Margin of the field around the map, since a wall may be at the edge of the map.
 constexpr double kMarginScales = 4.0;  // in field_scale
 constexpr double kMaxMargin = 200.0;   // cells
+// Cells at the edge of the field that have the value of the outside; the second one is the right or
+// upper neighbour of the first.
+constexpr int kEdge = 2;
+constexpr double kSteps = 255.0;  // of the stored values
 
 /// A mask with a margin of zeros, row by row.
 std::vector<std::uint8_t> withMargin(const std::vector<std::uint8_t>& mask,
@@ -50,21 +54,33 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
       geometry_(geometry),
       max_range_(static_cast<float>(parameters.field_max_range)),
       exponent_(static_cast<float>(parameters.likelihood_exponent)),
-      log_rand_(static_cast<float>(std::log(parameters.z_rand))) {
+      log_rand_(static_cast<float>(std::log(parameters.z_rand))),
+      log_step_(static_cast<float>(-std::log(parameters.z_rand) / kSteps)) {
   const double cells_per_scale = parameters.field_scale / geometry_.resolution;
   const int margin =
-      static_cast<int>(std::ceil(std::min(kMarginScales * cells_per_scale, kMaxMargin)));
+      kEdge + static_cast<int>(std::ceil(std::min(kMarginScales * cells_per_scale, kMaxMargin)));
   const double shift = -margin * geometry_.resolution;
   geometry_.origin = compose(geometry_.origin, {shift, shift, 0.0});
   geometry_.width += 2 * margin;
   geometry_.height += 2 * margin;
-  log_field_ = obstacleDistances(withMargin(surfaces.visible, geometry, margin), geometry_.width,
-                                 geometry_.height);
+  const std::vector<float> distances = obstacleDistances(
+      withMargin(surfaces.visible, geometry, margin), geometry_.width, geometry_.height);
   const std::vector<std::uint8_t> blurred = withMargin(surfaces.blurred, geometry, margin);
-  for (std::size_t i = 0; i < log_field_.size(); ++i) {
-    const double factor = blurred[i] != 0 ? parameters.inside_wall_factor : 1.0;
-    const double distance = factor * static_cast<double>(log_field_[i]) * geometry_.resolution;
-    log_field_[i] = static_cast<float>(logLikelihoodAt(distance));
+  cells_.assign(distances.size(), 0);
+  const double log_rand = std::log(parameters.z_rand);
+  const auto width = static_cast<std::size_t>(geometry_.width);
+  for (int row = kEdge; row < geometry_.height - kEdge; ++row) {
+    for (int column = kEdge; column < geometry_.width - kEdge; ++column) {
+      const std::size_t cell =
+          static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column);
+      const double factor = blurred[cell] != 0 ? parameters.inside_wall_factor : 1.0;
+      const double distance = factor * static_cast<double>(distances[cell]) * geometry_.resolution;
+      const double above_rand = logLikelihoodAt(distance) - log_rand;
+      const auto steps =
+          static_cast<unsigned>(std::lround(above_rand / static_cast<double>(log_step_)));
+      cells_[cell] = static_cast<std::uint16_t>(cells_[cell] | steps);
+      cells_[cell - width] = static_cast<std::uint16_t>(cells_[cell - width] | steps << 8U);
+    }
   }
 }
 

@@ -10,23 +10,24 @@
 namespace racecar_mcl {
 namespace {
 
+constexpr int kLanes = 16;  // of the widest vectors
+
 /// The field in the form that the inner loops need.
 struct FieldView {
-  FieldView(const std::vector<float>& log_field, const GridGeometry& geometry, float log_outside)
-      : values(log_field.data()),
+  FieldView(const std::vector<std::uint16_t>& cells, const GridGeometry& geometry)
+      : values(cells.data()),
         width(geometry.width),
-        height(geometry.height),
-        outside(log_outside),
+        last_column(static_cast<float>(geometry.width - 2)),
+        last_row(static_cast<float>(geometry.height - 2)),
         resolution(geometry.resolution),
         map_in_field(inverse(geometry.origin)),
         cosine(std::cos(map_in_field.yaw)),
         sine(std::sin(map_in_field.yaw)) {}
 
-  const float* values;
+  const std::uint16_t* values;
   int width;
-  int height;
-  float outside;      ///< the value beyond the field
-  double resolution;  ///< m per cell
+  float last_column, last_row;  ///< with neighbours to the right and above
+  double resolution;            ///< m per cell
   Pose2 map_in_field;
   double cosine, sine;  ///< of its yaw
 };
@@ -50,7 +51,8 @@ struct LidarInField {
 
 /// End points of a block of beams in the lidar's frame, in cells; poses only rotate and translate
 /// them. Takes beams shorter than `max_range` (m) from index `first` on, up to the size of the
-/// block.
+/// block. Up to a multiple of kLanes it is filled with NaN, which ends outside the field, so that
+/// loops over `lanes` need no remainder.
 struct EndPoints {
   EndPoints(const Scan& beams, Eigen::Index first, float max_range, double resolution)
       : end(first) {
@@ -61,7 +63,10 @@ struct EndPoints {
       y[count] = beams.ranges[end] * std::sin(beams.bearings[end]) * cells_per_metre;
       index[count++] = end;
     }
+    for (int k = count; k < lanes(); ++k) x[k] = y[k] = std::numeric_limits<float>::quiet_NaN();
   }
+
+  int lanes() const { return (count + kLanes - 1) / kLanes * kLanes; }
 
   int count = 0;
   Eigen::Index end;  ///< index of the first beam after the block
@@ -72,58 +77,73 @@ struct EndPoints {
 /// One value per end point.
 using EndValues = std::array<float, kBlockSize>;
 
-/// The bilinearly interpolated field at the end points. Three loops, since the middle one, which
-/// loads from memory, cannot be vectorized. NaN counts as outside.
-RACECAR_MCL_INLINE void valuesAt(const FieldView& field, const LidarInField& lidar,
-                                 const EndPoints& ends, EndValues& values) {
+/// Bits of the four corners in the word that holds two neighbouring cells.
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+enum Corner { kLowerLeft = 0, kUpperLeft = 8, kLowerRight = 16, kUpperRight = 24 };
+#else
+enum Corner { kLowerLeft = 16, kUpperLeft = 24, kLowerRight = 0, kUpperRight = 8 };
+#endif
+
+RACECAR_MCL_INLINE float byteOf(std::uint32_t corners, Corner corner) {
+  return static_cast<float>(static_cast<int>(corners >> corner & 0xffU));
+}
+
+/// The index limited to [0, last]; 0 for NaN.
+RACECAR_MCL_INLINE float within(float index, float last) {
+  const float above = index > 0.0F ? index : 0.0F;
+  return above < last ? above : last;
+}
+
+/// The bilinearly interpolated field at the end points, in steps above the value of the outside,
+/// which cells at the edge of the field have. NaN counts as outside. Three loops, so that the
+/// arithmetic is vectorized where the loads from scattered cells are not.
+RACECAR_MCL_INLINE void stepsAt(const FieldView& field, const LidarInField& lidar,
+                                const EndPoints& ends, EndValues& steps) {
   alignas(64) std::array<float, kBlockSize> across, up;
   alignas(64) std::array<int, kBlockSize> cell;
-  alignas(64) std::array<std::uint32_t, kBlockSize> is_inside;
-  alignas(64) std::array<float, 4 * kBlockSize> corners;
-  const int count = ends.count;
-  const auto last_column = static_cast<float>(field.width - 1);
-  const auto last_row = static_cast<float>(field.height - 1);
+  alignas(64) std::array<std::uint32_t, kBlockSize> corners;
+  const int count = ends.lanes();
   const int cells_per_row = field.width;
   for (int k = 0; k < count; ++k) {
-    const float column = lidar.column + lidar.cosine * ends.x[k] - lidar.sine * ends.y[k];
-    const float row = lidar.row + lidar.sine * ends.x[k] + lidar.cosine * ends.y[k];
-    const bool inside =
-        (column >= 0.0F) & (row >= 0.0F) & (column < last_column) & (row < last_row);
-    const float inside_column = inside ? column : 0.0F;
-    const float inside_row = inside ? row : 0.0F;
-    const int left = static_cast<int>(inside_column);
-    const int below = static_cast<int>(inside_row);
-    across[k] = inside_column - static_cast<float>(left);
-    up[k] = inside_row - static_cast<float>(below);
+    const float column =
+        within(lidar.column + lidar.cosine * ends.x[k] - lidar.sine * ends.y[k], field.last_column);
+    const float row =
+        within(lidar.row + lidar.sine * ends.x[k] + lidar.cosine * ends.y[k], field.last_row);
+    const int left = static_cast<int>(column);
+    const int below = static_cast<int>(row);
+    across[k] = column - static_cast<float>(left);
+    up[k] = row - static_cast<float>(below);
     cell[k] = below * cells_per_row + left;
-    is_inside[k] = inside ? 1U : 0U;
   }
   for (int k = 0; k < count; ++k) {
-    const float* lower = field.values + cell[k];
-    std::memcpy(&corners[4 * k], lower, 2 * sizeof(float));
-    std::memcpy(&corners[4 * k + 2], lower + cells_per_row, 2 * sizeof(float));
+    std::memcpy(&corners[k], field.values + cell[k], sizeof(corners[k]));
   }
   for (int k = 0; k < count; ++k) {
-    const float lower = corners[4 * k] + across[k] * (corners[4 * k + 1] - corners[4 * k]);
-    const float upper = corners[4 * k + 2] + across[k] * (corners[4 * k + 3] - corners[4 * k + 2]);
-    const float inside = lower + up[k] * (upper - lower);
-    values[k] = is_inside[k] != 0 ? inside : field.outside;
+    const float lower_left = byteOf(corners[k], kLowerLeft);
+    const float upper_left = byteOf(corners[k], kUpperLeft);
+    const float lower = lower_left + across[k] * (byteOf(corners[k], kLowerRight) - lower_left);
+    const float upper = upper_left + across[k] * (byteOf(corners[k], kUpperRight) - upper_left);
+    steps[k] = lower + up[k] * (upper - lower);
   }
 }
 
-/// Sixteen partial sums, in the same order for every instruction set.
+/// Partial sums in the same order for every instruction set. `count`: a multiple of kLanes.
 RACECAR_MCL_INLINE float sumOf(const EndValues& values, int count) {
-  constexpr int kLanes = 16;
-  alignas(64) std::array<float, kLanes> lanes = {};
-  int k = 0;
-  for (; k + kLanes <= count; k += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] += values[k + lane];
+  // A vector type, since compilers keep an array of partial sums in memory.
+  using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+  Lanes sums = {};
+  for (int k = 0; k < count; k += kLanes) {
+    Lanes next;
+    std::memcpy(&next, &values[k], sizeof(next));
+    sums += next;
   }
-  for (int lane = 0; k < count; ++k, ++lane) lanes[lane] += values[k];
-  for (int width = kLanes / 2; width > 0; width /= 2) {
-    for (int lane = 0; lane < width; ++lane) lanes[lane] += lanes[lane + width];
+  std::array<float, kLanes / 2> halves;
+  for (int lane = 0; lane < kLanes / 2; ++lane) halves[lane] = sums[lane] + sums[lane + kLanes / 2];
+  std::array<float, kLanes / 4> quarters;
+  for (int lane = 0; lane < kLanes / 4; ++lane) {
+    quarters[lane] = halves[lane] + halves[lane + kLanes / 4];
   }
-  return lanes[0];
+  return (quarters[0] + quarters[2]) + (quarters[1] + quarters[3]);
 }
 
 }  // namespace
@@ -138,30 +158,34 @@ Eigen::ArrayXf LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map,
 void LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams,
                                          Eigen::Ref<Eigen::ArrayXf> log_likelihoods) const {
   log_likelihoods.setConstant(std::numeric_limits<float>::quiet_NaN());
-  const FieldView field(log_field_, geometry_, log_rand_);
+  const FieldView field(cells_, geometry_);
   for (Eigen::Index first = 0; first < beams.size();) {
     const EndPoints ends(beams, first, max_range_, geometry_.resolution);
     first = ends.end;
-    alignas(64) EndValues values;
+    alignas(64) EndValues steps;
     runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
-      valuesAt(field, LidarInField(field, lidar_in_map), ends, values);
+      stepsAt(field, LidarInField(field, lidar_in_map), ends, steps);
     });
-    for (int k = 0; k < ends.count; ++k) log_likelihoods[ends.index[k]] = values[k];
+    for (int k = 0; k < ends.count; ++k) {
+      log_likelihoods[ends.index[k]] = log_rand_ + log_step_ * steps[k];
+    }
   }
 }
 
 void LikelihoodField::logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
                                     Eigen::Ref<Eigen::ArrayXd> log_likelihood) const {
   log_likelihood.setZero();
-  const FieldView field(log_field_, geometry_, log_rand_);
+  const FieldView field(cells_, geometry_);
   for (Eigen::Index first = 0; first < beams.size();) {
     const EndPoints ends(beams, first, max_range_, geometry_.resolution);
     first = ends.end;
+    const float outside = static_cast<float>(ends.count) * log_rand_;
     runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
-      alignas(64) EndValues values;
+      alignas(64) EndValues steps;
       for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
-        valuesAt(field, LidarInField(field, lidar_in_map.pose(i)), ends, values);
-        log_likelihood[i] += static_cast<double>(exponent_ * sumOf(values, ends.count));
+        stepsAt(field, LidarInField(field, lidar_in_map.pose(i)), ends, steps);
+        const float sum = outside + log_step_ * sumOf(steps, ends.lanes());
+        log_likelihood[i] += static_cast<double>(exponent_ * sum);
       }
     });
   }

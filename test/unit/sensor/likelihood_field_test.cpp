@@ -14,6 +14,9 @@ namespace {
 
 LikelihoodFieldParameters plain() { return {0.2, 0.05, 10.0, 1.0}; }
 
+// Half a step of the stored values.
+const double kRounding = 0.51 * -std::log(plain().z_rand) / 255.0;
+
 Scan oneBeam(float bearing, float range) {
   Scan scan;
   scan.bearings = Eigen::ArrayXf::Constant(1, bearing);
@@ -47,7 +50,7 @@ TEST(LikelihoodField, DependsOnTheDistanceOfTheEndPointFromTheWall) {
   for (const int cells : {0, 1, 2, 5, 8}) {
     const auto range = static_cast<float>(0.9 - 0.1 * cells);
     EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, range)), formula(plain(), 0.1 * cells),
-                1e-5);
+                kRounding);
   }
 }
 
@@ -67,9 +70,10 @@ TEST(LikelihoodField, IsWiderInsideAThickWall) {
   for (const double inside : {0.0, 0.5, 1.0}) {
     p.inside_wall_factor = inside;
     const LikelihoodField field(asciiMap(kThickWallOnTheRight, 0.1), p);
-    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.2f)), formula(p, 0.2), 1e-5);
-    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.4f)), formula(p, 0.0), 1e-5);
-    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.6f)), formula(p, 0.2 * inside), 1e-5);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.2f)), formula(p, 0.2), kRounding);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.4f)), formula(p, 0.0), kRounding);
+    EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.6f)), formula(p, 0.2 * inside),
+                kRounding);
   }
 }
 
@@ -79,8 +83,8 @@ TEST(LikelihoodField, IsSymmetricInsideAThinWall) {
   // The same cells, half as large.
   const LikelihoodField field(asciiMap(kThickWallOnTheRight, 0.05), p);
   const Pose2 lidar{0.025, 0.175, 0.0};
-  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.2f)), formula(p, 0.0), 1e-5);
-  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.3f)), formula(p, 0.1), 1e-5);
+  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.2f)), formula(p, 0.0), kRounding);
+  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.3f)), formula(p, 0.1), kRounding);
 }
 
 // A wall at 45 degrees is the diagonal cells; those behind touch free space only at corners.
@@ -98,10 +102,10 @@ TEST(LikelihoodField, HasASlantingWallOneCellThick) {
     const auto range = static_cast<float>(std::hypot(x - lidar.x, y - lidar.y));
     return logLikelihoodOf(field, lidar, oneBeam(bearing, range));
   };
-  EXPECT_NEAR(at(0.25, 0.25), formula(plain(), 0.0), 1e-5);
-  EXPECT_NEAR(at(0.15, 0.15), formula(plain(), 0.1 * std::sqrt(2.0)), 1e-5);
-  EXPECT_NEAR(at(0.25, 0.35), formula(plain(), 0.1), 1e-5);
-  EXPECT_NEAR(at(0.35, 0.35), formula(plain(), 0.1 * std::sqrt(2.0)), 1e-5);
+  EXPECT_NEAR(at(0.25, 0.25), formula(plain(), 0.0), kRounding);
+  EXPECT_NEAR(at(0.15, 0.15), formula(plain(), 0.1 * std::sqrt(2.0)), kRounding);
+  EXPECT_NEAR(at(0.25, 0.35), formula(plain(), 0.1), kRounding);
+  EXPECT_NEAR(at(0.35, 0.35), formula(plain(), 0.1 * std::sqrt(2.0)), kRounding);
 }
 
 TEST(LikelihoodField, ContinuesBehindAWallAtTheMapsEdge) {
@@ -109,7 +113,7 @@ TEST(LikelihoodField, ContinuesBehindAWallAtTheMapsEdge) {
   const Pose2 lidar{0.05, 0.25, 0.0};
   for (const int cells : {1, 3, 7}) {
     EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.9f + 0.1f * cells)),
-                formula(plain(), 0.1 * cells), 1e-5);
+                formula(plain(), 0.1 * cells), kRounding);
   }
 }
 
@@ -117,7 +121,7 @@ TEST(LikelihoodField, InterpolatesBetweenCellCentres) {
   const LikelihoodField field(asciiMap(kWallOnTheRight, 0.1), plain());
   const Pose2 lidar{0.05, 0.27, 0.0};
   const double expected = 0.75 * formula(plain(), 0.2) + 0.25 * formula(plain(), 0.1);
-  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.725f)), expected, 1e-5);
+  EXPECT_NEAR(logLikelihoodOf(field, lidar, oneBeam(0.0f, 0.725f)), expected, kRounding);
 }
 
 TEST(LikelihoodField, SumsBeamsAndAppliesTheExponent) {
@@ -129,7 +133,7 @@ TEST(LikelihoodField, SumsBeamsAndAppliesTheExponent) {
   scan.ranges.resize(2);
   scan.ranges << 0.7f, 0.4f;
   EXPECT_NEAR(logLikelihoodOf(field, {0.05, 0.25, 0.0}, scan),
-              (formula(plain(), 0.2) + formula(plain(), 0.5)) / 4.0, 1e-5);
+              (formula(plain(), 0.2) + formula(plain(), 0.5)) / 4.0, kRounding);
 }
 
 TEST(LikelihoodField, BeamLogLikelihoodsSumToThatOfTheScan) {
