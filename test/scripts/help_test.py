@@ -6,6 +6,7 @@ import subprocess
 import sys
 import unittest
 import xml.etree.ElementTree as ElementTree
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import roslib.packages
@@ -34,25 +35,24 @@ def scripts():
 
 
 class Help(unittest.TestCase):
-    def assertHelps(self, program):
-        for option in ("--help", "-h"):
-            result = run(program, option)
-            self.assertEqual(result.returncode, 0, result.stderr.decode())
-            self.assertIn(b"usage", result.stdout.lower())
-            self.assertNotIn(b"master", result.stderr.lower())
+    def assertHelp(self, programs):
+        commands = [(program, option) for program in programs for option in ("--help", "-h")]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            results = list(pool.map(lambda command: run(*command), commands))
+        for command, result in zip(commands, results):
+            with self.subTest(command=command):
+                self.assertEqual(result.returncode, 0, result.stderr.decode())
+                self.assertIn(b"usage", result.stdout.lower())
+                self.assertNotIn(b"master", result.stderr.lower())
 
     def testEveryBuiltProgramHelps(self):
         programs = built_programs()
         self.assertIn("localization_node", programs)
-        for name, found in programs.items():
-            with self.subTest(program=name):
-                self.assertTrue(found, "not built")
-                self.assertHelps(found[0])
+        self.assertEqual([name for name, found in programs.items() if not found], [], "not built")
+        self.assertHelp([found[0] for found in programs.values()])
 
     def testEveryScriptHelps(self):
-        for path in scripts():
-            with self.subTest(program=path.name):
-                self.assertHelps(str(path))
+        self.assertHelp([str(path) for path in scripts()])
 
     def testANodeNamesAnUnknownArgument(self):
         for name in ("localization_node", "simulator_node"):
