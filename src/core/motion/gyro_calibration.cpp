@@ -13,6 +13,8 @@ constexpr double kProofTurn = 0.4;          // rad
 constexpr double kMemoryTurn = 6.0;         // rad
 // Ratios up to this factor from 1 are scale errors; others are another unit or mount.
 constexpr double kMaxRatio = 1.3;
+// Turns in degrees correlate with the scans'; noise may have any ratio.
+constexpr double kMinCorrelation = 0.9;
 // The gyro is dropped if its error exceeds the odometry's by this factor, and taken up again if it
 // does not.
 constexpr double kMaxErrorRatio = 1.2;
@@ -56,8 +58,14 @@ void GyroCalibration::compare(const Motion& motion, double true_turn) {
     turned_ = memory * turned_ + std::abs(true_turn_);
     product_ = memory * product_ + gyro_turn_ * true_turn_;
     gyro_squared_ = memory * gyro_squared_ + gyro_turn_ * gyro_turn_;
+    true_squared_ = memory * true_squared_ + true_turn_ * true_turn_;
   }
   gyro_turn_ = true_turn_ = seconds_ = 0.0;
+}
+
+bool GyroCalibration::measuresDegrees() const {
+  return unit_ == 1.0 && isNearOne(ratio() / kRadiansPerDegree) &&
+         product_ > kMinCorrelation * std::sqrt(gyro_squared_ * true_squared_);
 }
 
 void GyroCalibration::learn(const Motion& motion, double true_turn, double odometry_error) {
@@ -65,7 +73,7 @@ void GyroCalibration::learn(const Motion& motion, double true_turn, double odome
   if (use_ == GyroUse::kNoData) use_ = GyroUse::kUnproven;
   compare(motion, true_turn);
   if (turned_ < kProofTurn) return;
-  if (isNearOne(ratio() / kRadiansPerDegree) && unit_ == 1.0) {
+  if (measuresDegrees()) {
     unit_ = kRadiansPerDegree;
     product_ *= unit_;
     gyro_squared_ *= unit_ * unit_;

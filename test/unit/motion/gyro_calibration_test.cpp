@@ -60,6 +60,15 @@ TEST(GyroCalibration, RecognisesDegrees) {
   EXPECT_NEAR(gyro.turnOf(motionOf(10.0)), 10.0 * kPi / 180.0, 2e-3);
 }
 
+TEST(GyroCalibration, NoiseIsNotInDegrees) {
+  GyroCalibration gyro(100.0);
+  // The noise makes the ratio that of degrees.
+  swerve(&gyro, 20.0, 15.0, 2.7);
+  EXPECT_NEAR(gyro.ratio(), kPi / 180.0, 0.01);
+  EXPECT_FALSE(gyro.isInDegrees());
+  EXPECT_EQ(gyro.use(), GyroUse::kWrong);
+}
+
 TEST(GyroCalibration, IsNotUsedIfItTurnsAnotherWay) {
   for (const double scale : {-1.0, 0.1, 5.0}) {
     GyroCalibration gyro(100.0);
