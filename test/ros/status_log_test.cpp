@@ -31,6 +31,15 @@ class StatusLogTest : public ::testing::Test {
 
 using Messages = std::vector<std::string>;
 
+TEST_F(StatusLogTest, AJumpOfTheClockIsNoDuration) {
+  now_ = 0.0;  // before the first /clock
+  hold(State::kDegraded, 0.1);
+  now_ = 1000.0;
+  hold(State::kDegraded, 0.5);
+  hold(State::kLocalized, 2.0);
+  EXPECT_EQ(messages(), Messages{"INFO localized"});
+}
+
 TEST_F(StatusLogTest, AGoodStartIsNoWarning) {
   hold(State::kInitializing, 4.0);
   hold(State::kDegraded, 0.5);

@@ -21,9 +21,11 @@ class StatusLog {
 
   /// The message that is due at `now` (s on any clock), if any. Call it with every status.
   std::optional<Message> update(const LocalizationStatus& status, double now) {
-    if (status.state != state_ || now < since_) {
+    const bool clock_jumped = now < last_ || now > last_ + kMaxStep;
+    last_ = now;
+    if (status.state != state_ || clock_jumped) {
       const bool begins = state_ == LocalizationState::kLocalized ||
-                          state_ == LocalizationState::kInitializing || now < trouble_since_;
+                          state_ == LocalizationState::kInitializing || clock_jumped;
       if (begins) trouble_since_ = now;
       state_ = status.state;
       since_ = now;
@@ -44,9 +46,12 @@ class StatusLog {
 
  private:
   static constexpr double kMinDuration = 1.0;  // s
+  // Longer steps are jumps of the clock, as of simulated time from 0 to the first /clock.
+  static constexpr double kMaxStep = 5.0;  // s
 
   LocalizationState state_ = LocalizationState::kInitializing;
   LocalizationState reported_ = LocalizationState::kInitializing;
+  double last_ = 0.0;           ///< s, of the last update
   double since_ = 0.0;          ///< s, of `state_`
   double trouble_since_ = 0.0;  ///< s, of the first state after localized or initializing
 };
