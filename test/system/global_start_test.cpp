@@ -25,12 +25,12 @@ class GlobalStartTest : public ::testing::TestWithParam<const char*> {
   }
 
   /// A stationary car with matching odometry.
-  SimulatedDrive standingDrive() const {
+  SimulatedDrive standingDrive(std::uint64_t seed) const {
     sim::SimulatorParameters simulator;
     simulator.odometry.noise = {};
-    Random random(3);
+    Random random(seed);
     const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
-    return SimulatedDrive(course_, parameters_, simulator, pose, 1e-9, 3);
+    return SimulatedDrive(course_, parameters_, simulator, pose, 1e-9, seed);
   }
 
   LocalizerParameters parameters_;
@@ -127,11 +127,18 @@ TEST_P(GlobalStartTest, NeedsNoSecondSearchOnceItIsToldWhereItIs) {
 }
 
 TEST_P(GlobalStartTest, IsConfirmedWhereTheCarStands) {
-  SimulatedDrive drive = standingDrive();
-  EXPECT_TRUE(drive.localizer().initializeGlobally());
-  drive.drive(4.0, [](const Observation&) {});
-  EXPECT_EQ(drive.localizer().status().state, LocalizationState::kLocalized)
-      << drive.localizer().status().reason;
+  // At 27 (corridor) and 22 (track) of 40 places; the others look like several.
+  int confirmed = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SimulatedDrive drive = standingDrive(seed);
+    EXPECT_TRUE(drive.localizer().initializeGlobally());
+    double error = 0.0;
+    drive.drive(4.0, [&](const Observation& seen) { error = seen.error; });
+    if (drive.localizer().status().state != LocalizationState::kLocalized) continue;
+    ++confirmed;
+    EXPECT_LT(error, 0.2) << seed;
+  }
+  EXPECT_GE(confirmed, 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, GlobalStartTest, ::testing::Values("corridor", "track"),
