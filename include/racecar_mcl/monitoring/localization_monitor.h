@@ -117,6 +117,7 @@ class LocalizationMonitor {
   std::optional<double> unusable_since_;                  ///< s
   Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  ///< m, fading sum
   double travelled_ = 0.0;                                ///< m, fading sum
+  double since_start_ = 0.0;                              ///< m driven since a start or jump
 };
 
 }  // namespace racecar_mcl

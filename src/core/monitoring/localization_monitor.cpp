@@ -18,6 +18,7 @@ constexpr double kMinBaseline = 0.7;
 constexpr double kBaselineDistance = 10.0;  // m driven
 constexpr double kInitialDeviation = 0.05;
 constexpr double kMinDeviation = 0.02;
+constexpr double kMaxDeviation = 0.05;  // larger ones are wrong poses rather than the map
 // Baseline of the conflict.
 constexpr double kInitialBaselineConflict = 0.05;
 constexpr double kMaxBaselineConflict = 0.25;
@@ -30,6 +31,8 @@ constexpr double kMaxUpdateConflict = 0.3;
 // driven, which tolerates small corrections.
 constexpr double kCorrectionTime = 2.0;     // s
 constexpr double kToleratedDistance = 0.5;  // m
+// Distance after a start over which corrections are those of the start pose.
+constexpr double kSettlingDistance = 1.0;  // m
 // Minimum inlier ratio of an informative map, and distance driven on it over which `carried`
 // decays.
 constexpr double kMinInformativeInlierRatio = 0.75;
@@ -98,6 +101,7 @@ void LocalizationMonitor::reset() {
   unusable_since_.reset();
   correction_.setZero();
   travelled_ = 0.0;
+  since_start_ = 0.0;
 }
 
 void LocalizationMonitor::average(const MonitorInput& input) {
@@ -109,7 +113,9 @@ void LocalizationMonitor::average(const MonitorInput& input) {
   has_scan_ = true;
 
   const double keep_correction = std::exp(-elapsed / kCorrectionTime);
-  if (!input.converged || input.jumped) {
+  if (!input.converged || input.jumped) since_start_ = 0.0;
+  since_start_ += input.travelled;
+  if (since_start_ < kSettlingDistance) {
     correction_.setZero();
   } else {
     correction_ = keep_correction * correction_ + input.correction;
@@ -120,7 +126,7 @@ void LocalizationMonitor::average(const MonitorInput& input) {
 void LocalizationMonitor::updateBaseline(double travelled) {
   const double gain = 1.0 - std::exp(-travelled / kBaselineDistance);
   deviation_ += gain * (std::abs(inlier_ratio_ - baseline_) - deviation_);
-  deviation_ = std::max(kMinDeviation, deviation_);
+  deviation_ = std::clamp(deviation_, kMinDeviation, kMaxDeviation);
   baseline_ = std::max(kMinBaseline, baseline_ + gain * (inlier_ratio_ - baseline_));
   baseline_conflict_ =
       std::min(kMaxBaselineConflict, baseline_conflict_ + gain * (conflict_ - baseline_conflict_));

@@ -196,6 +196,18 @@ TEST_F(LocalizationMonitorTest, EstimatesTheBaselineInlierRatio) {
   EXPECT_NE(after(0.7), LocalizationState::kLost);
 }
 
+TEST_F(LocalizationMonitorTest, LimitsTheDeviationFromTheBaseline) {
+  for (int i = 0; i < 60; ++i) {
+    setMatch(0.97);
+    after(0.5);
+    setMatch(0.77);
+    after(0.5);
+  }
+  EXPECT_EQ(monitor_.status().state, LocalizationState::kLocalized);
+  setMatch(0.68);
+  EXPECT_EQ(after(0.7), LocalizationState::kDegraded);
+}
+
 TEST_F(LocalizationMonitorTest, EstimatesALowBaselineWithoutConflict) {
   EXPECT_EQ(after(1.0), LocalizationState::kLocalized);
   setMatch(0.72, 0.0, 0.2);
@@ -257,6 +269,14 @@ TEST_F(LocalizationMonitorTest, IsDegradedIfScansAndOdometryDisagree) {
   EXPECT_NEAR(monitor_.status().disagreement, 0.25, 0.04);
   input_.correction = {0.002, 0.0};
   EXPECT_EQ(after(3.0), LocalizationState::kLocalized);
+}
+
+TEST_F(LocalizationMonitorTest, CorrectionsOfTheStartPoseAreNoDisagreement) {
+  input_.correction = {0.1, 0.0};
+  EXPECT_EQ(after(0.3), LocalizationState::kLocalized);  // 0.9 m
+  input_.correction = {0.0, 0.0};
+  EXPECT_EQ(after(1.0), LocalizationState::kLocalized);
+  EXPECT_NEAR(monitor_.status().disagreement, 0.0, 0.01);
 }
 
 TEST_F(LocalizationMonitorTest, ResetsTheDisagreementAfterAJump) {
