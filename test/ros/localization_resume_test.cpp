@@ -1,5 +1,9 @@
 // The last pose in a file: saving it, and continuing from it.
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
+#include <regex>
+#include <sstream>
 
 #include "support/localization_fixture.h"
 #include "support/temporary_directory.h"
@@ -34,6 +38,23 @@ TEST_F(LocalizationResumeTest, ContinuesFromTheLastPoseAndTheMotionSince) {
   EXPECT_EQ(listener_.logged("continuing from the last pose in " + file_), 1);
   expectStillLocalizes();
   EXPECT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+}
+
+TEST_F(LocalizationResumeTest, ContinuesWithTheSavedCalibration) {
+  startLocalized();
+  expectStillLocalizes();
+  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+  node_.reset();
+  std::stringstream text;
+  text << std::ifstream(file_).rdbuf();
+  const std::regex scale("distance_scale: [^\n]*");
+  ASSERT_TRUE(std::regex_search(text.str(), scale));
+  std::ofstream(file_) << std::regex_replace(text.str(), scale, "distance_scale: 1.1");
+  restartNode();
+  EXPECT_TRUE(listener_.waitFor([&] {
+    const double now = std::strtod(listener_.diagnostic("distance scale").c_str(), nullptr);
+    return drive(0.1) > 0 && std::abs(now - 1.1) < 0.02;
+  })) << listener_.diagnostic("distance scale");
 }
 
 TEST_F(LocalizationResumeTest, AStartPoseHasPriorityUnlessTheNodeIsRespawned) {

@@ -11,7 +11,11 @@ namespace racecar_mcl {
 namespace {
 
 SavedPose savedPose() {
-  return {"one map", {1.0, 2.0, 0.5}, OdometryPose{100.0, {10.0, 0.0, 0.0}}};
+  SavedPose pose{"one map", {1.0, 2.0, 0.5}, OdometryPose{100.0, {10.0, 0.0, 0.0}}, {}};
+  pose.sensors.odometry = {0.98, 0.01, {1.2, -0.02, 0.1}};
+  pose.sensors.range_bias = 0.03;
+  pose.sensors.scan_reversed = true;
+  return pose;
 }
 
 TEST(PoseFile, ReturnsWhatWasWritten) {
@@ -27,6 +31,13 @@ TEST(PoseFile, ReturnsWhatWasWritten) {
   ASSERT_TRUE(read->odometry);
   EXPECT_EQ(read->odometry->stamp, 100.0);
   EXPECT_EQ(read->odometry->base_in_odom.x, 10.0);
+  EXPECT_EQ(read->sensors.odometry.distance_scale, 0.98);
+  EXPECT_EQ(read->sensors.odometry.delay, 0.01);
+  EXPECT_EQ(read->sensors.odometry.turn.scale, 1.2);
+  EXPECT_EQ(read->sensors.odometry.turn.offset, -0.02);
+  EXPECT_EQ(read->sensors.odometry.turn.delay, 0.1);
+  EXPECT_EQ(read->sensors.range_bias, 0.03);
+  EXPECT_TRUE(read->sensors.scan_reversed);
   // Nothing but the file is left.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
@@ -35,7 +46,8 @@ TEST(PoseFile, NamesTheFileThatIsWrong) {
   const TemporaryDirectory folder;
   const std::string path = (folder.path() / "pose.yaml").string();
   for (const char* content : {"", "map: one\n", "map: one\nbase_in_map: [1, 2]\n", "{[", "\x01\x02",
-                              "map: one\nbase_in_map: [1, .nan, 2]\n"}) {
+                              "map: one\nbase_in_map: [1, .nan, 2]\n",
+                              "map: one\nbase_in_map: [1, 2, 3]\ncalibration: {turn_scale: 1}\n"}) {
     std::ofstream(path) << content;
     try {
       readPoseFile(path);
@@ -46,6 +58,13 @@ TEST(PoseFile, NamesTheFileThatIsWrong) {
   }
   EXPECT_THROW(writePoseFile((folder.path() / "none/pose.yaml").string(), savedPose()),
                std::runtime_error);
+}
+
+TEST(PoseFile, NeedsNoCalibration) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder.path() / "pose.yaml").string();
+  std::ofstream(path) << "map: one\nbase_in_map: [1, 2, 3]\n";
+  EXPECT_EQ(readPoseFile(path)->sensors.odometry.turn.scale, 1.0);
 }
 
 TEST(ResumedPose, MovesWithOdometryThatHasRunOn) {

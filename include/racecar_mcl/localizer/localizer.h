@@ -11,6 +11,7 @@
 #include "racecar_mcl/localizer/localizer_parameters.h"
 #include "racecar_mcl/localizer/pose_extrapolator.h"
 #include "racecar_mcl/localizer/scan_result.h"
+#include "racecar_mcl/localizer/sensor_calibration.h"
 #include "racecar_mcl/monitoring/localization_monitor.h"
 #include "racecar_mcl/motion/process_noise_adaptation.h"
 #include "racecar_mcl/relocalization/hypothesis_verifier.h"
@@ -33,7 +34,6 @@ class Localizer {
                      std::shared_ptr<const LocalizationMap> map);
   bool hasMap() const { return map_ != nullptr; }
   std::shared_ptr<const LocalizationMap> map() const { return map_; }
-
   /// Starts around a pose at the newest stamp seen, or at a stamp, from where odometry moves it.
   /// Throws as ParticleFilter::initialize, and ParameterError if the pose is outside the map.
   void initialize(const PoseEstimate& start);
@@ -45,13 +45,14 @@ class Localizer {
   /// nothing.
   bool initializeGlobally();
 
+  void resumeCalibration(const SensorCalibration& calibration);
+
   /// One step of Monte Carlo localization. If a step throws, the scan is dropped, the particles are
   /// drawn again from the last estimate, and the exception is rethrown.
   ScanResult update(const Scan& scan);
 
   /// The next stationary_updates scans are used even if the car is stationary.
   void requestUpdate() { scans_since_stop_ = 0; }
-
   // Thread-safe; see PoseExtrapolator.
   OdometryOutcome addOdometry(const OdometrySample& sample) {
     return extrapolator_.addOdometry(sample);
@@ -70,11 +71,10 @@ class Localizer {
   /// The status of the newest estimate.
   const LocalizationStatus& status() const { return monitor_.status(); }
   LocalizerCounters counters() const { return {counters_, odometryCounters()}; }
-  /// As estimated so far: the order of the beams, measured ranges minus mapped distances (m), and
-  /// the errors of odometry and gyro.
+  /// As estimated so far; resumeCalibration continues from it after a restart.
   const ScanDirection& scanDirection() const { return scan_direction_; }
-  double rangeBias() const { return range_bias_.bias(); }
   const OdometryCalibration& calibration() const { return calibration_; }
+  SensorCalibration sensorCalibration() const;
   /// m; scans closer together than this have correlated errors and are down-weighted.
   double decorrelationDistance() const;
   const LocalizerParameters& parameters() const { return parameters_; }

@@ -43,6 +43,7 @@ class GyroCalibration {
 
  private:
   void compare(const Motion& motion, double true_turn);
+  bool measuresDegrees() const;
 
   TurnCalibration calibration_;
   GyroUse use_ = GyroUse::kNoData;
@@ -53,6 +54,7 @@ class GyroCalibration {
   double turned_ = 0.0;        ///< rad, absolute, compared so far
   double product_ = 0.0;       ///< sum of the products of the scans' turns and the gyro's
   double gyro_squared_ = 0.0;  ///< sum of the squared turns of the gyro
+  double true_squared_ = 0.0;  ///< the same of the scans' turns
 };
 
 }  // namespace racecar_mcl

@@ -15,6 +15,13 @@ struct OdometryCalibrationParameters {
 /// Throws ParameterError on a distance that is neither 0 nor in [1, 1e6].
 void validate(const OdometryCalibrationParameters& parameters);
 
+/// The systematic errors of the odometry, as estimated.
+struct OdometryErrors {
+  double distance_scale = 1.0;  ///< true metres per metre of odometry
+  double delay = 0.0;           ///< s by which the speed lags the car's motion
+  TurnConstants turn;           ///< the offset per m
+};
+
 /// Systematic errors: distance scale and time delay of the speed, and those of the turns, which the
 /// gyro measures if there is one and it is proven, else the odometry. They bias the pose, since
 /// each scan corrects only a part of them. The mean correction by scans is an estimate of the error
@@ -38,6 +45,9 @@ class OdometryCalibration {
   /// `correction`: the estimate in the frame of the predicted pose.
   void learn(const Motion& motion, const Pose2& correction);
 
+  /// Continues from the estimates of an earlier run, within the limits. A gyro proves itself anew.
+  void resume(const OdometryErrors& errors);
+
   /// The pose was set anew: its corrections over the next 1 m are not errors of the turns.
   void restart();
 
@@ -48,6 +58,7 @@ class OdometryCalibration {
   /// s by which the odometry's speed lags the car's motion. Negative if it leads, as twists that
   /// are valid for the time before their stamps.
   double delay() const { return delay_; }
+  OdometryErrors errors() const { return {distance_scale_, delay_, odometry_turn_.estimates()}; }
   const TurnCalibration& odometryTurn() const { return odometry_turn_; }
   const GyroCalibration& gyro() const { return gyro_; }
 

@@ -22,6 +22,13 @@ struct TurnErrors {
   double max_delay = 0.0;        ///< s
 };
 
+/// The systematic errors of a sensor of turns, as estimated.
+struct TurnConstants {
+  double scale = 1.0;   ///< true radians per measured radian
+  double offset = 0.0;  ///< rad per m or s, not measured by the sensor
+  double delay = 0.0;   ///< s by which the sensor lags the car's motion
+};
+
 /// Scale and offset by recursive least squares with a forgetting factor over blocks of 1 m, so that
 /// the noise of the measured turns does not reduce the scale; the delay by least squares on what is
 /// left of the errors when the turn rate changes (docs/maths.md).
@@ -31,21 +38,27 @@ class TurnCalibration {
   TurnCalibration(const TurnErrors& errors, double distance);
 
   /// rad, with the systematic errors removed; the delay is applied by the caller.
-  double correct(double turn, double exposure) const { return scale_ * turn + offset_ * exposure; }
+  double correct(double turn, double exposure) const {
+    return estimates_.scale * turn + estimates_.offset * exposure;
+  }
 
   /// Updates the estimates after one scan. `true_turn`: rad, according to the scans; `travelled`:
   /// m.
   void learn(const MeasuredTurn& measured, double true_turn, double travelled);
 
+  /// Continues from the estimates of an earlier run, within the limits.
+  void resume(const TurnConstants& constants);
+
   /// The pose was set anew: its corrections over the next 1 m are not errors of the sensor.
   void restart();
 
   /// Resets the delay, if the times of beams were wrong.
-  void forgetDelay() { delay_ = delay_information_ = 0.0; }
+  void forgetDelay() { estimates_.delay = delay_information_ = 0.0; }
 
-  double scale() const { return scale_; }    ///< true radians per measured radian
-  double offset() const { return offset_; }  ///< rad per m or s, not measured by the sensor
-  double delay() const { return delay_; }    ///< s by which the sensor lags the car's motion
+  const TurnConstants& estimates() const { return estimates_; }
+  double scale() const { return estimates_.scale; }
+  double offset() const { return estimates_.offset; }
+  double delay() const { return estimates_.delay; }
   /// rad, root mean square error of the corrected turns between two scans; fades over 30 scans.
   double error() const;
 
@@ -59,14 +72,13 @@ class TurnCalibration {
   };
 
   void learnBlock();
+  double boundedScale(double scale) const;
   void learnDelay(double rate_change, double error, double memory);
 
   TurnErrors errors_;
   double distance_;
-  double scale_ = 1.0;
-  double offset_ = 0.0;
+  TurnConstants estimates_;
   Eigen::Matrix2d information_ = Eigen::Matrix2d::Zero();  ///< of the scans, without the prior
-  double delay_ = 0.0;
   double delay_information_ = 0.0;  ///< (rad/s)^2, fading sum of squared changes of the turn rate
   Block block_;
   bool block_is_first_ = true;  ///< since a restart

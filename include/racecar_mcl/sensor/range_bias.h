@@ -40,6 +40,9 @@ class RangeBias {
   void learn(const LikelihoodField& field, const Pose2& base_in_map, const Scan& beams,
              double travelled);
 
+  /// Continues from the estimate of an earlier run, within the limits; not if the bias is constant.
+  void resume(double bias);
+
   /// Back to the initial value, as if it was estimated from wrongly deskewed sweeps.
   void reset();
 

@@ -42,6 +42,11 @@ class ScanDirection {
   /// "listed" or "reversed", for logs and diagnostics.
   const char* word() const { return reversed_ ? "reversed" : "listed"; }
 
+  /// Continues with the order of an earlier run, unless the order is given.
+  void resume(bool reversed) {
+    if (from_ == ScanDirectionFrom::kAuto) reversed_ = reversed;
+  }
+
   /// Whether a sweep should be evaluated in both orders: the car `turned` (rad) enough during it,
   /// and the order is not certain yet.
   bool needsComparison(double turned) const;

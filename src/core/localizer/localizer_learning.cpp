@@ -71,6 +71,16 @@ void Localizer::calibrate(const Step& step, const Pose2& estimate) {
   }
 }
 
+SensorCalibration Localizer::sensorCalibration() const {
+  return {calibration_.errors(), range_bias_.bias(), scan_direction_.isReversed()};
+}
+
+void Localizer::resumeCalibration(const SensorCalibration& calibration) {
+  calibration_.resume(calibration.odometry);
+  range_bias_.resume(calibration.range_bias);
+  scan_direction_.resume(calibration.scan_reversed);
+}
+
 void Localizer::count(ScanOutcome outcome) {
   switch (outcome) {
     case ScanOutcome::kUsed:

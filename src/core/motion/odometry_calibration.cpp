@@ -13,14 +13,14 @@ constexpr double kMaxScaleError = 0.15;  // m/m
 constexpr double kMaxDelay = 0.1;        // s
 // Odometry of cars integrates the commanded steering angle: a published lap of a 1/10 car has a
 // heading error of 60 %. The steering lags its command by up to 0.2 s.
-const TurnErrors kOdometryTurnErrors{0.3, 0.01, 0.65, 0.1, 0.2};
+const TurnErrors kOdometryTurnErrors{0.3, 0.02, 0.65, 0.1, 0.2};
 
 // Largest correction used of one scan, per metre: larger ones are slip or wrong matches.
 constexpr double kMaxCorrectionRatio = 0.3;
 
 // Prior information of a delay of zero (docs/maths.md), so that no single scan determines the
 // delay.
-constexpr double kDelayPrior = 0.25;  // (m/s)^2
+constexpr double kDelayPrior = 0.125;  // (m/s)^2
 
 double bounded(double value, double limit) { return std::clamp(value, -limit, limit); }
 
@@ -65,6 +65,13 @@ void OdometryCalibration::learn(const Motion& motion, const Pose2& correction) {
       std::copysign(1.0, moved.x) * bounded(correction.x, kMaxCorrectionRatio * std::abs(moved.x));
   distance_scale_ = 1.0 + bounded(distance_scale_ - 1.0 + rate * along, kMaxScaleError);
   updateDelay(motion, correction);
+}
+
+void OdometryCalibration::resume(const OdometryErrors& errors) {
+  if (parameters_.calibration_distance == 0.0) return;
+  distance_scale_ = 1.0 + bounded(errors.distance_scale - 1.0, kMaxScaleError);
+  delay_ = bounded(errors.delay, kMaxDelay);
+  odometry_turn_.resume(errors.turn);
 }
 
 void OdometryCalibration::restart() {

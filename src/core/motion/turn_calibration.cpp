@@ -44,6 +44,17 @@ void TurnCalibration::learn(const MeasuredTurn& measured, double true_turn, doub
   block_is_first_ = false;
 }
 
+void TurnCalibration::resume(const TurnConstants& constants) {
+  if (distance_ == 0.0) return;
+  estimates_ = {boundedScale(constants.scale), bounded(constants.offset, errors_.max_offset),
+                bounded(constants.delay, errors_.max_delay)};
+}
+
+double TurnCalibration::boundedScale(double scale) const {
+  return std::clamp(scale, 1.0 / (1.0 + errors_.max_scale_error),
+                    1.0 / (1.0 - errors_.max_scale_error));
+}
+
 void TurnCalibration::restart() {
   block_ = {};
   block_is_first_ = true;
@@ -56,24 +67,23 @@ void TurnCalibration::learnBlock() {
   const double variance =
       kTurnSigma * kTurnSigma + std::pow(kTurnSigmaPerTurn * block_.true_turn, 2);
   // By the relative error of the scale, and the offset.
-  const Eigen::Vector2d regressor(scale_ * block_.turn, block_.exposure);
+  const Eigen::Vector2d regressor(estimates_.scale * block_.turn, block_.exposure);
   information_ = std::exp(-block_.travelled / distance_) * information_ +
                  regressor * regressor.transpose() / variance;
   Eigen::Matrix2d total = information_;
   total(0, 0) += 1.0 / (errors_.scale_sigma * errors_.scale_sigma);
   total(1, 1) += 1.0 / (errors_.offset_sigma * errors_.offset_sigma);
   const Eigen::Vector2d step = total.inverse() * regressor * (error / variance);
-  scale_ = std::clamp(scale_ * (1.0 + step[0]), 1.0 / (1.0 + errors_.max_scale_error),
-                      1.0 / (1.0 - errors_.max_scale_error));
-  offset_ = bounded(offset_ + step[1], errors_.max_offset);
+  estimates_.scale = boundedScale(estimates_.scale * (1.0 + step[0]));
+  estimates_.offset = bounded(estimates_.offset + step[1], errors_.max_offset);
 }
 
 void TurnCalibration::learnDelay(double rate_change, double error, double memory) {
-  const double change = scale_ * rate_change;
+  const double change = estimates_.scale * rate_change;
   delay_information_ = memory * delay_information_ + change * change;
   const double explained = bounded(error, errors_.max_delay * std::abs(change));
-  delay_ =
-      bounded(delay_ + change * explained / (kDelayPrior + delay_information_), errors_.max_delay);
+  const double step = change * explained / (kDelayPrior + delay_information_);
+  estimates_.delay = bounded(estimates_.delay + step, errors_.max_delay);
 }
 
 }  // namespace racecar_mcl

@@ -41,6 +41,10 @@ void RangeBias::reset() {
   information_ = 1.0 / (kPriorSigma * kPriorSigma);
 }
 
+void RangeBias::resume(double bias) {
+  if (parameters_.range_bias_distance > 0.0) bias_ = std::clamp(bias, -kMaxBias, kMaxBias);
+}
+
 void RangeBias::learn(const LikelihoodField& field, const Pose2& base_in_map, const Scan& beams,
                       double travelled) {
   if (parameters_.range_bias_distance <= 0.0) return;

@@ -30,9 +30,8 @@ struct NodeStatus {
   double effective_sample_size = 0.0;
   int particles = 0;
   int beams = 0;
-  std::string scan_direction;  ///< acquisition order of the beams
-  double range_bias = 0.0;     ///< m, measured ranges minus mapped distances
-  OdometryCalibration calibration;
+  SensorCalibration sensors;
+  GyroCalibration gyro{0.0};
   double position_sigma = 0.0;  ///< m, the larger axis
   double yaw_sigma = 0.0;       ///< rad
 };

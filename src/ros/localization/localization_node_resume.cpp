@@ -43,6 +43,7 @@ void LocalizationNode::resume() {
   }
   if (!odometry && ++scans_before_resume_ < kMaxWaitingScans) return;
   ROS_INFO("continuing from the last pose in %s", parameters_.last_pose_file.c_str());
+  localizer_.resumeCalibration(saved_pose_->sensors);
   start(resumedPose(*saved_pose_, odometry));
   saved_pose_.reset();
 }
@@ -52,6 +53,7 @@ std::optional<SavedPose> LocalizationNode::lastPose() {
   if (node_status_.status.state != LocalizationState::kLocalized) return std::nullopt;
   SavedPose pose;
   pose.map = map_identity_;
+  pose.sensors = node_status_.sensors;
   if (base_in_odom_) pose.odometry = {base_in_odom_stamp_, *base_in_odom_};
   const std::optional<PoseEstimate> estimate = localizer_.estimateAt(
       base_in_odom_ ? base_in_odom_stamp_ : localizer_.newestStamp().value_or(0.0));

@@ -100,9 +100,8 @@ void LocalizationNode::updateNodeStatus() {
   status_ = localizer_.status();
   node_status_.has_map = localizer_.hasMap();
   node_status_.counters = localizer_.counters();
-  node_status_.scan_direction = localizer_.scanDirection().word();
-  node_status_.range_bias = localizer_.rangeBias();
-  node_status_.calibration = localizer_.calibration();
+  node_status_.sensors = localizer_.sensorCalibration();
+  node_status_.gyro = localizer_.calibration().gyro();
 }
 
 void LocalizationNode::recordScan(const ScanResult& result, ros::WallTime arrival) {

@@ -35,6 +35,27 @@ Pose2 readPose(const YAML::Node& node) {
   return pose;
 }
 
+/// Calls visit(key, number) for each number of the calibration.
+template <typename Calibration, typename Visitor>
+void visitNumbers(Calibration& sensors, const Visitor& visit) {
+  visit("distance_scale", sensors.odometry.distance_scale);
+  visit("odometry_delay", sensors.odometry.delay);
+  visit("turn_scale", sensors.odometry.turn.scale);
+  visit("turn_offset", sensors.odometry.turn.offset);
+  visit("turn_delay", sensors.odometry.turn.delay);
+  visit("range_bias", sensors.range_bias);
+}
+
+SensorCalibration readCalibration(const YAML::Node& node) {
+  SensorCalibration sensors;
+  visitNumbers(sensors, [&](const char* key, double& number) {
+    number = node[key].as<double>();
+    if (!std::isfinite(number)) throw std::runtime_error(std::string(key) + " is not finite");
+  });
+  sensors.scan_reversed = node["scan_reversed"].as<bool>();
+  return sensors;
+}
+
 }  // namespace
 
 std::string mapIdentity(const GridGeometry& geometry) {
@@ -48,7 +69,8 @@ std::string mapIdentity(const GridGeometry& geometry) {
 void writePoseFile(const std::string& path, const SavedPose& pose) {
   const std::string draft = path + ".new";
   std::ofstream file(draft);
-  file << "# The last pose of racecar_mcl: x (m), y (m), yaw (rad). Stamp in s.\n"
+  file << "# The last pose of racecar_mcl: x (m), y (m), yaw (rad); the calibration in m, s and "
+          "rad.\n"
        << std::setprecision(std::numeric_limits<double>::max_digits10) << "map: " << pose.map
        << '\n';
   writePose("base_in_map", pose.base_in_map, &file);
@@ -56,6 +78,11 @@ void writePoseFile(const std::string& path, const SavedPose& pose) {
     writePose("base_in_odom", pose.odometry->base_in_odom, &file);
     file << "odometry_stamp: " << pose.odometry->stamp << '\n';
   }
+  file << "calibration:\n";
+  visitNumbers(pose.sensors, [&](const char* key, double number) {
+    file << "  " << key << ": " << number << '\n';
+  });
+  file << "  scan_reversed: " << (pose.sensors.scan_reversed ? "true" : "false") << '\n';
   file.close();
   std::error_code error;
   if (file) std::filesystem::rename(draft, path, error);
@@ -73,6 +100,7 @@ std::optional<SavedPose> readPoseFile(const std::string& path) {
     if (file["base_in_odom"]) {
       pose.odometry = {file["odometry_stamp"].as<double>(), readPose(file["base_in_odom"])};
     }
+    if (file["calibration"]) pose.sensors = readCalibration(file["calibration"]);
     return pose;
   } catch (const std::exception& error) {
     throw std::runtime_error("the last pose cannot be read from " + path + ": " + error.what());

@@ -1,10 +1,11 @@
-// The last pose of the localization node in a file, for its next start.
+// The last pose and calibration of the localization node in a file, for its next start.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "racecar_mcl/filter/pose_estimate.h"
+#include "racecar_mcl/localizer/sensor_calibration.h"
 #include "racecar_mcl/map/occupancy_grid.h"
 
 namespace racecar_mcl {
@@ -19,6 +20,7 @@ struct SavedPose {
   std::string map;  ///< mapIdentity of the map
   Pose2 base_in_map;
   std::optional<OdometryPose> odometry;  ///< at that pose
+  SensorCalibration sensors;
 };
 
 /// Size, resolution and origin, to recognize the map of a saved pose.

@@ -53,7 +53,7 @@ TEST(OdometryCalibration, EstimatesTheDistanceScale) {
 TEST(OdometryCalibration, EstimatesTheSteeringOffsetOnAStraight) {
   OdometryCalibration calibration({20.0});
   drive(&calibration, straight(0.1), arc(0.1, 0.002), 1000);
-  EXPECT_NEAR(calibration.odometryTurn().offset(), 0.02, 2e-3);
+  EXPECT_NEAR(calibration.odometryTurn().offset(), 0.02, 1e-3);
   EXPECT_NEAR(calibration.odometryTurn().scale(), 1.0, 1e-3);
 }
 
@@ -99,7 +99,7 @@ TEST(OdometryCalibration, EstimatesTheDelay) {
   for (const double delay : {0.03, -0.01}) {
     OdometryCalibration calibration({100.0});
     swerve(&calibration, delay, 60.0);
-    EXPECT_NEAR(calibration.delay(), delay, 2e-3);
+    EXPECT_NEAR(calibration.delay(), delay, 1e-3);
     EXPECT_NEAR(calibration.distanceScale(), 1.0, 2e-3);
     EXPECT_NEAR(calibration.odometryTurn().scale(), 1.0, 2e-3);
   }
@@ -136,6 +136,33 @@ TEST(OdometryCalibration, EstimatesNothingIfDisabled) {
   swerve(&calibration, 0.03, 10.0);
   EXPECT_EQ(calibration.distanceScale(), 1.0);
   EXPECT_EQ(calibration.delay(), 0.0);
+}
+
+TEST(OdometryCalibration, ResumesWithinItsLimits) {
+  OdometryCalibration before({20.0}), after({20.0});
+  drive(&before, straight(0.11), straight(0.1), 1000);
+  swerve(&before, 0.03, 10.0);
+  after.resume(before.errors());
+  EXPECT_NE(before.distanceScale(), 1.0);
+  EXPECT_EQ(after.distanceScale(), before.distanceScale());
+  EXPECT_EQ(after.delay(), before.delay());
+  EXPECT_EQ(after.odometryTurn().scale(), before.odometryTurn().scale());
+  EXPECT_EQ(after.odometryTurn().offset(), before.odometryTurn().offset());
+  EXPECT_EQ(after.odometryTurn().delay(), before.odometryTurn().delay());
+  after.resume({9.0, 9.0, {9.0, 9.0, 9.0}});
+  EXPECT_NEAR(after.distanceScale(), 1.15, 1e-9);
+  EXPECT_NEAR(after.delay(), 0.1, 1e-9);
+  EXPECT_NEAR(after.odometryTurn().scale(), 1.0 / 0.35, 1e-9);
+  EXPECT_NEAR(after.odometryTurn().offset(), 0.1, 1e-9);
+  EXPECT_NEAR(after.odometryTurn().delay(), 0.2, 1e-9);
+}
+
+TEST(OdometryCalibration, IsNotResumedIfDisabled) {
+  OdometryCalibration calibration({0.0});
+  calibration.resume({1.1, 0.05, {1.2, 0.01, 0.1}});
+  EXPECT_EQ(calibration.distanceScale(), 1.0);
+  EXPECT_EQ(calibration.delay(), 0.0);
+  EXPECT_EQ(calibration.odometryTurn().scale(), 1.0);
 }
 
 TEST(OdometryCalibration, RejectsInvalidDistances) {

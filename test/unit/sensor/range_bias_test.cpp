@@ -94,6 +94,19 @@ TEST_F(RangeBiasTest, IsConstantIfDisabled) {
   EXPECT_EQ(biasAfter(5.0, 0.05, {}, off), -0.03);
 }
 
+TEST_F(RangeBiasTest, ResumesWithinItsLimitsUnlessConstant) {
+  RangeBias bias;
+  bias.resume(0.03);
+  EXPECT_EQ(bias.bias(), 0.03);
+  bias.resume(0.5);
+  EXPECT_EQ(bias.bias(), 0.1);
+  RangeBiasParameters constant;
+  constant.range_bias_distance = 0.0;
+  RangeBias given(constant);
+  given.resume(0.03);
+  EXPECT_EQ(given.bias(), 0.0);
+}
+
 TEST_F(RangeBiasTest, FollowsAChangingBiasFasterWithAShorterDistance) {
   const auto learnedOnTheWay = [&](double distance) {
     RangeBiasParameters parameters;

@@ -101,8 +101,13 @@ TEST_F(ClockwiseLidarTest, IsDetected) {
   EXPECT_TRUE(learned.scanDirection().isReversed());
   Localizer told = started(by(ScanDirectionFrom::kReversed));
   EXPECT_NEAR(error, drive(&told, true), 0.01);
+  Localizer resumed = started(by(ScanDirectionFrom::kAuto));
+  resumed.resumeCalibration(learned.sensorCalibration());
+  EXPECT_TRUE(resumed.scanDirection().isReversed());
   Localizer misled = started(by(ScanDirectionFrom::kListed));
   EXPECT_GT(drive(&misled, true), 3.0 * error);
+  misled.resumeCalibration(learned.sensorCalibration());
+  EXPECT_FALSE(misled.scanDirection().isReversed());
 }
 
 TEST_F(ClockwiseLidarTest, ACounterClockwiseOneIsNotChanged) {
