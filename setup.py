@@ -3,6 +3,6 @@ from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
 setup(**generate_distutils_setup(
-    packages=["racecar_mcl_eval", "racecar_mcl_eval.experiments"],
+    packages=["racecar_mcl_eval", "racecar_mcl_eval.experiments", "racecar_mcl_eval.sweep"],
     package_dir={"": "python"},
     package_data={"racecar_mcl_eval": ["*.j2"]}))

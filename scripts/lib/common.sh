@@ -35,10 +35,11 @@ wanted_packages() {
   fi
 }
 
-# What the checks in checks.sh need. Ubuntu 20.04 has other versions, which find other things.
+# What the checks in checks.sh need, and the tests of optional features. Ubuntu 20.04 has other versions, which find
+# other things.
 check_packages() {
   if grep -q '^VERSION_CODENAME=bookworm' /etc/os-release; then
-    echo catkin-lint clang-format clang-tidy doxygen git pre-commit
+    echo catkin-lint clang-format clang-tidy doxygen git pre-commit python3-distributed
   fi
 }
 
