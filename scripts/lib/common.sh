@@ -39,7 +39,7 @@ wanted_packages() {
 # other things.
 check_packages() {
   if grep -q '^VERSION_CODENAME=bookworm' /etc/os-release; then
-    echo catkin-lint clang-format clang-tidy doxygen git pre-commit python3-distributed
+    echo catkin-lint clang-format clang-tidy doxygen git pre-commit python3-distributed python3-optuna
   fi
 }
 
