@@ -81,6 +81,7 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_flag("--gyro-in-degrees", gyro.in_degrees, "yaw rate in degrees per second");
 
   option("--range-noise", lidar.range_noise, "standard deviation of ranges, m");
+  option("--range-bias", lidar.range_bias, "added to every range, m");
   option("--missing-rate", lidar.missing_rate, "fraction of beams without return");
   option("--scan-dropout", lidar.dropout_rate, "fraction of lost scans");
   option("--max-range", lidar.range_max, "maximum range, m");

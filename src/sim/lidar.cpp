@@ -20,6 +20,7 @@ void LidarParameters::validate() const {
   require(sweep_time >= 0.0 && sweep_time < 1.0 / rate, "lidar sweep_time", sweep_time,
           "at least 0 and less than the time between sweeps", "s");
   requireNotNegative("lidar range_noise", range_noise, "m");
+  requireFinite("lidar range_bias", range_bias, "m");
   requireShare("lidar missing_rate", missing_rate);
   requireShare("lidar dropout_rate", dropout_rate);
   requireNotNegative("lidar range_min", range_min, "m");
@@ -117,7 +118,7 @@ float Lidar::measureBeam(const Pose2& laser_in_map, double bearing, double time,
         origin + hit.range * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
     if (World::isGlass(current_.glass, point)) return kNoReturn;
   }
-  const double range = hit.range + noise;
+  const double range = hit.range + current_.range_bias + noise;
   if (range > current_.range_max) return kNoReturn;
   return range < current_.range_min ? -kNoReturn : static_cast<float>(range);
 }

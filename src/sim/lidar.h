@@ -22,6 +22,7 @@ struct LidarParameters {
   bool clockwise = false;            ///< beams in reverse acquisition order, stamped with the first
                                      ///< of the list, as by RPLIDAR drivers
   double range_noise = 0.01;         ///< m, standard deviation
+  double range_bias = 0.0;           ///< m, added to every range
   double missing_rate = 0.005;       ///< fraction of beams without return
   double dropout_rate = 0.0;         ///< fraction of lost sweeps
   double range_min = 0.06;           ///< m

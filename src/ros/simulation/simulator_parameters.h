@@ -110,6 +110,7 @@ void visitParameters(Parameters& p, const Visit& visit) {
   visit("instant_scans", lidar.instant);
   visit("clockwise_scans", lidar.clockwise);
   visit("range_noise", lidar.range_noise);
+  visit("range_bias", lidar.range_bias);
   visit("missing_rate", lidar.missing_rate);
   visit("scan_dropout", lidar.dropout_rate);
   visit("max_range", lidar.range_max);

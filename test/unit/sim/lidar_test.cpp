@@ -140,6 +140,18 @@ TEST(Lidar, NoiseHasItsSigma) {
   EXPECT_NEAR(std::sqrt(squares / count), 0.02, 0.0005);
 }
 
+TEST(Lidar, BiasIsAddedToEveryRange) {
+  LidarParameters biased = exact();
+  biased.range_bias = -0.03;
+  const Arc arc = moving({5.0, 3.5, 0.3}, {});
+  const LidarScan unbiased_sweep = sweepOnce(exact(), arc);
+  const LidarScan sweep = sweepOnce(biased, arc);
+  ASSERT_EQ(sweep.ranges.size(), unbiased_sweep.ranges.size());
+  for (std::size_t i = 0; i < sweep.ranges.size(); ++i) {
+    EXPECT_NEAR(sweep.ranges[i], unbiased_sweep.ranges[i] - 0.03F, 1e-5F);
+  }
+}
+
 TEST(Lidar, MissingReturnsFarWallsAndGlassAreInfinite) {
   const auto infinite = [](const LidarScan& sweep) {
     int count = 0;
