@@ -102,7 +102,7 @@ const std::vector<std::vector<std::string>> kFloors{
     {"raycasting", "motion"},
     {"sensor"},
     {"filter", "monitoring"},
-    {"relocalization"},
+    {"relocalization", "obstacles"},
     {"localizer"},
 };
 

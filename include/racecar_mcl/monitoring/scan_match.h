@@ -48,10 +48,18 @@ class ScanMatchEvaluator {
   /// The class of each beam, with the car at this pose. Valid until the next call.
   const std::vector<BeamMatch>& classifyBeams(const MapView& map, const Pose2& base_in_map,
                                               const Scan& beams);
+  /// The same with one inlier distance per beam (m, at least a cell) instead of 0.2 m.
+  const std::vector<BeamMatch>& classifyBeams(const MapView& map, const Pose2& base_in_map,
+                                              const Scan& beams,
+                                              const Eigen::ArrayXf& inlier_distances);
+  /// m, K x 1, to the first surface on each ray of the last call; NaN if there is none.
+  const Eigen::ArrayXXf& expectedRanges() const;
   ScanMatch evaluate(const MapView& map, const Pose2& base_in_map, const Scan& beams);
 
  private:
   struct Arrays;
+  const std::vector<BeamMatch>& classify(const MapView& map, const Pose2& base_in_map,
+                                         const Scan& beams);
   std::unique_ptr<Arrays> arrays_;
 };
 

@@ -39,6 +39,7 @@ void maxOverNeighbours(const Eigen::ArrayXXf& expected, const Eigen::ArrayXf& be
 struct ScanMatchEvaluator::Arrays {
   BeamResiduals residuals;
   Eigen::ArrayXf max_expected_ranges;
+  Eigen::ArrayXf min_log_likelihoods;  ///< of matched beams
   std::vector<BeamMatch> matches;
 };
 
@@ -50,10 +51,32 @@ ScanMatchEvaluator& ScanMatchEvaluator::operator=(ScanMatchEvaluator&&) noexcept
 const std::vector<BeamMatch>& ScanMatchEvaluator::classifyBeams(const MapView& map,
                                                                 const Pose2& base_in_map,
                                                                 const Scan& beams) {
+  arrays_->min_log_likelihoods.setConstant(beams.size(),
+                                           logLikelihoodNearSurface(map, kInlierDistance));
+  return classify(map, base_in_map, beams);
+}
+
+const std::vector<BeamMatch>& ScanMatchEvaluator::classifyBeams(
+    const MapView& map, const Pose2& base_in_map, const Scan& beams,
+    const Eigen::ArrayXf& inlier_distances) {
+  arrays_->min_log_likelihoods.resize(beams.size());
+  for (Eigen::Index k = 0; k < beams.size(); ++k) {
+    arrays_->min_log_likelihoods[k] =
+        logLikelihoodNearSurface(map, static_cast<double>(inlier_distances[k]));
+  }
+  return classify(map, base_in_map, beams);
+}
+
+const Eigen::ArrayXXf& ScanMatchEvaluator::expectedRanges() const {
+  return arrays_->residuals.expected_ranges;
+}
+
+const std::vector<BeamMatch>& ScanMatchEvaluator::classify(const MapView& map,
+                                                           const Pose2& base_in_map,
+                                                           const Scan& beams) {
   BeamResiduals& residuals = arrays_->residuals;
   computeBeamResiduals(map, base_in_map, beams, &residuals);
   maxOverNeighbours(residuals.expected_ranges, beams.bearings, &arrays_->max_expected_ranges);
-  const float min_log_likelihood = logLikelihoodNearSurface(map, kInlierDistance);
   const Pose2 lidar = compose(base_in_map, beams.laser_in_base);
   std::vector<BeamMatch>& matches = arrays_->matches;
   matches.assign(static_cast<std::size_t>(beams.size()), BeamMatch::kNotJudged);
@@ -62,7 +85,7 @@ const std::vector<BeamMatch>& ScanMatchEvaluator::classifyBeams(const MapView& m
     BeamMatch& match = matches[static_cast<std::size_t>(k)];
     if (beams.ranges[k] > arrays_->max_expected_ranges[k] + kThroughDistance) {
       match = BeamMatch::kThrough;
-    } else if (residuals.log_likelihoods[k] >= min_log_likelihood) {
+    } else if (residuals.log_likelihoods[k] >= arrays_->min_log_likelihoods[k]) {
       match = beams.ranges[k] > residuals.expected_ranges(k) + kThroughDistance
                   ? BeamMatch::kGrazing
                   : BeamMatch::kMatched;

@@ -116,6 +116,21 @@ TEST_F(ScanMatchEvaluatorTest, AnEndPointWithinAFifthOfAMetreOfASurfaceIsMatched
   }
 }
 
+TEST_F(ScanMatchEvaluatorTest, TakesAnInlierDistanceForEachBeam) {
+  const Scan scan = beamsTo({{10.0, 0.15}, {10.0, 0.15}, {10.0, 0.4}});
+  const Eigen::Array3f distances(0.1f, 0.15f, 0.5f);
+  EXPECT_EQ(matcher_.classifyBeams(map_->view(), car_, scan, distances),
+            (Matches{BeamMatch::kShort, BeamMatch::kMatched, BeamMatch::kMatched}));
+  EXPECT_EQ(matcher_.classifyBeams(map_->view(), car_, scan),
+            (Matches{BeamMatch::kMatched, BeamMatch::kMatched, BeamMatch::kShort}));
+}
+
+TEST_F(ScanMatchEvaluatorTest, GivesTheExpectedRanges) {
+  match({{10.0, 1.0}, {5.0, 3.0}});
+  EXPECT_NEAR(matcher_.expectedRanges()(0), 2.95, 0.03);
+  EXPECT_TRUE(std::isnan(matcher_.expectedRanges()(1))) << "no surface";
+}
+
 TEST_F(ScanMatchEvaluatorTest, AnEndPointInFreeSpaceIsShort) {
   EXPECT_EQ(match({{10.0, 0.3}, {8.0, 2.0}}), (Matches{BeamMatch::kShort, BeamMatch::kShort}));
 }
