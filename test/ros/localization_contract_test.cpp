@@ -59,6 +59,8 @@ TEST_F(LocalizationContractTest, AdvertisesEveryTopicWithItsType) {
   for (const auto& topic : topics) types[topic.name] = topic.datatype;
   EXPECT_EQ(types[namespace_ + "/pf/pose/odom"], "nav_msgs/Odometry");
   EXPECT_EQ(types[namespace_ + "/pf/status"], "diagnostic_msgs/DiagnosticStatus");
+  EXPECT_EQ(types[namespace_ + "/pf/obstacles"], "sensor_msgs/PointCloud2");
+  EXPECT_EQ(types[namespace_ + "/pf/viz/obstacles"], "visualization_msgs/MarkerArray");
   EXPECT_EQ(types[namespace_ + "/pf/viz/inferred_pose"], "geometry_msgs/PoseStamped");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particles"], "geometry_msgs/PoseArray");
   EXPECT_EQ(types[namespace_ + "/pf/viz/particle_markers"], "visualization_msgs/MarkerArray");

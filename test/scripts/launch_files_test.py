@@ -214,7 +214,8 @@ class LaunchFiles(unittest.TestCase):
         topics = {"/map", "/pf/viz/particles", "/pf/viz/particle_markers", "/pf/viz/scan",
                   "/pf/viz/fake_scan", "/pf/viz/clusters", "/pf/viz/status", "/pf/pose/odom"}
         self.assertRvizFits("localization.rviz", topics, {"/initialpose", "/clicked_point"})
-        self.assertRvizFits("simulation.rviz", topics | {"/simulator/car", "/simulator/obstacles"},
+        self.assertRvizFits("simulation.rviz", topics | {"/simulator/car", "/simulator/obstacles", "/pf/obstacles",
+                                                         "/pf/viz/obstacles"},
                             {"/initialpose", "/simulator/place", "/simulator/add_obstacle"})
 
 

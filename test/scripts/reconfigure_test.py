@@ -20,7 +20,8 @@ except ImportError:
 
 # Need a restart of the node (docs/parameters.md).
 FIXED = {"motion_from", "expert/clock_jump"}
-NODE = {"transform_tolerance", "input_timeout", "visualization_rate", "diagnostics_rate"}
+NODE = {"transform_tolerance", "input_timeout", "visualization_rate", "diagnostics_rate", "obstacle_distance",
+        "obstacle_min_returns"}
 
 
 @unittest.skipUnless(Client, "dynamic_reconfigure is not installed")

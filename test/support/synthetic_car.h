@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "racecar_mcl/geometry/pose2.h"
 #include "ros/conversions/message_conversions.h"
@@ -23,6 +24,7 @@ class SyntheticCar {
   LidarExtrinsics extrinsics{{0.25, 0.05, 0.1}, false};
   Twist2 twist{1.0, 0.0, 1.0};  ///< a circle of 1 m around the centre of the room
   double range_max = 10.0;
+  std::vector<sim::Obstacle> obstacles;  ///< unmapped, in the map frame
 
   explicit SyntheticCar(double stamp) : stamp_(stamp) {}
 
@@ -88,8 +90,8 @@ class SyntheticCar {
       const double bearing =
           static_cast<double>(message.angle_min) + i * static_cast<double>(message.angle_increment);
       const double yaw = laser.yaw + (extrinsics.upside_down ? -bearing : bearing);
-      message.ranges.push_back(
-          static_cast<float>(world_.castWalls({laser.x, laser.y}, yaw, range_max)));
+      message.ranges.push_back(static_cast<float>(
+          world_.cast({laser.x, laser.y}, yaw, range_max, obstacles, stamp_).range));
     }
     return message;
   }

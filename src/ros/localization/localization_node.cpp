@@ -28,6 +28,7 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
       localizer_(parameters_.localizer, static_cast<std::uint64_t>(parameters_.seed)),
       watchdog_(parameters_.input_timeout),
       publisher_(node, parameters_),
+      obstacle_publisher_(node, parameters_),
       tf_node_(withQueue(node, &tf_queue_)),
       lidar_extrinsics_(tf_node_, parameters_),
       imu_rotation_(lidar_extrinsics_),

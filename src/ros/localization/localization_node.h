@@ -34,6 +34,7 @@
 #include "ros/localization/lidar_extrinsics.h"
 #include "ros/localization/localization_publisher.h"
 #include "ros/localization/node_parameters.h"
+#include "ros/localization/obstacle_publisher.h"
 #include "ros/localization/pose_file.h"
 #include "ros/localization/status_log.h"
 #ifdef RACECAR_MCL_HAS_DYNAMIC_RECONFIGURE
@@ -148,6 +149,7 @@ class LocalizationNode {
   std::string map_identity_;  ///< of the current map
 
   LocalizationPublisher publisher_;
+  ObstaclePublisher obstacle_publisher_;  ///< used by the worker only
   // tf messages arrive with every pose, including the node's own. They are processed in batches, at
   // scans and diagnostics: waking up for each one would cost more than localizing.
   ros::CallbackQueue tf_queue_;

@@ -65,8 +65,10 @@ void LocalizationNode::changeParameters(const NodeParameters& parameters) {
     parameters_.transform_tolerance = parameters.transform_tolerance;
     parameters_.input_timeout = parameters.input_timeout;
     parameters_.visualization_rate = parameters.visualization_rate;
+    parameters_.obstacles = parameters.obstacles;
     watchdog_.setTimeout(parameters.input_timeout);
     publisher_.setParameters(parameters);
+    obstacle_publisher_.setParameters(parameters);
     if (parameters.diagnostics_rate == parameters_.diagnostics_rate) return;
     parameters_.diagnostics_rate = parameters.diagnostics_rate;
     diagnostics_timer_.setPeriod(ros::WallDuration(1.0 / parameters.diagnostics_rate));

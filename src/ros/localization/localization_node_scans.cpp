@@ -93,6 +93,7 @@ void LocalizationNode::processScan() {
   recordScan(result, received->arrival);
   publisher_.publishScanTopics(localizer_.particles(), *localizer_.map(), *received->message,
                                extrinsics, result.update);
+  obstacle_publisher_.publish(localizer_, *scan, received->message->header.stamp, result);
 }
 
 void LocalizationNode::updateNodeStatus() {

@@ -53,6 +53,8 @@ void forEachNodeParameter(Parameters& p, const Visit& visit) {
   visit("visualization_rate", p.visualization_rate);
   visit("seed", p.seed);
   visit("diagnostics_rate", p.diagnostics_rate);
+  visit("obstacle_distance", p.obstacles.obstacle_distance);
+  visit("obstacle_min_returns", p.obstacles.obstacle_min_returns);
 }
 
 bool isNodeParameter(NodeParameters& p, const std::string& name) {
@@ -124,6 +126,7 @@ void validate(const NodeParameters& p) {
   requirePositive("input_timeout", p.input_timeout, "s");
   requirePositive("visualization_rate", p.visualization_rate, "Hz");
   requirePositive("diagnostics_rate", p.diagnostics_rate, "Hz");
+  racecar_mcl::validate(p.obstacles);
   std::ostringstream problem;
   if (p.initial_pose && p.global_start) {
     problem << "initial_pose and global_start are both set; expected at most one of them";

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "racecar_mcl/localizer/localizer.h"
+#include "racecar_mcl/obstacles/obstacle_detection.h"
 
 namespace racecar_mcl {
 
@@ -33,6 +34,7 @@ struct NodeParameters {
                                ///< becomes `degraded`
   double visualization_rate = 10.0;  ///< Hz, maximum rate of particles, markers and scans
   double diagnostics_rate = 1.0;     ///< Hz
+  ObstacleDetectionParameters obstacles;
 };
 
 /// Set by a node with last_pose_file, so that it knows after a respawn that it has run before. Not
