@@ -9,8 +9,8 @@
 
 #include "cli.h"
 #include "evaluation/drive_evaluation.h"
-#include "fault_injection.h"
 #include "file_options.h"
+#include "offline/fault_injection.h"
 #include "offline/output_files.h"
 #include "offline/simulated_drive.h"
 #include "parameter_options.h"
