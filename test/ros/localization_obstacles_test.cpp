@@ -86,9 +86,14 @@ TEST_F(LocalizationObstaclesTest, ShowsTracksWithStableIdsAndSpeeds) {
   ASSERT_TRUE(driveUntilReceived(markers));
   // The tracker starts with the subscription, and confirms a track after five scans.
   EXPECT_LE(markers.newest().markers.size(), 1u);
-  drive(1.0);
+  const auto driveUntilMarkers = [&](std::size_t count) {
+    return listener_.waitFor([&] {
+      drive(0.1);
+      return markers.newest().markers.size() == count;
+    });
+  };
+  ASSERT_TRUE(driveUntilMarkers(4)) << "DELETEALL and three markers of one track";
   const auto tracks = markers.newest().markers;
-  ASSERT_EQ(tracks.size(), 4u) << "DELETEALL and three markers of one track";
   EXPECT_EQ(tracks[0].action, visualization_msgs::Marker::DELETEALL);
   for (std::size_t i = 1; i < tracks.size(); ++i) {
     EXPECT_EQ(tracks[i].header.frame_id, "map");
@@ -101,8 +106,7 @@ TEST_F(LocalizationObstaclesTest, ShowsTracksWithStableIdsAndSpeeds) {
   EXPECT_EQ(tracks[3].ns, "speeds");
   EXPECT_LT(std::atof(tracks[3].text.c_str()), 0.3) << tracks[3].text;
   car_.obstacles.clear();
-  drive(1.0);
-  EXPECT_EQ(markers.newest().markers.size(), 1u) << "deleted";
+  EXPECT_TRUE(driveUntilMarkers(1)) << "deleted";
 }
 
 TEST_F(LocalizationObstaclesTest, PublishesNothingWithoutSubscribers) {
