@@ -134,6 +134,10 @@ void LocalizationNode::reportUnused(ScanOutcome outcome) {
             "with 'Publish Point' to localize globally, or set initial_pose or global_start");
       }
       break;
+    case ScanOutcome::kStampOutlier:
+      // A single one is usual while nodes start: the first odometry arrives late.
+      if (!log_throttle_.persists("stamp outlier", kStartupTime)) break;
+      [[fallthrough]];
     default:
       warnThrottled("scan not used", toString(outcome));
   }
