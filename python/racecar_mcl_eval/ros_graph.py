@@ -1,4 +1,5 @@
 """A private ROS graph: roslaunch with a roscore on a free port, shut down on every exit path."""
+import contextlib
 import os
 import signal
 import socket
@@ -6,6 +7,9 @@ import subprocess
 import time
 from pathlib import Path
 
+from . import EvaluationError
+
+START_UP = 30.0  # s, limit for the start of roscore
 # roslaunch waits for its nodes for 15 s after SIGINT and 2 s after SIGTERM.
 END_TIMEOUT = 20.0  # s
 
@@ -52,6 +56,26 @@ def end(process):
             process.wait(END_TIMEOUT)
         except subprocess.TimeoutExpired:
             continue
+
+
+@contextlib.contextmanager
+def running(words, environment, log):
+    """Runs a program in its own session; ends it on every exit path."""
+    process = subprocess.Popen([str(word) for word in words], env=environment, stdout=log, stderr=subprocess.STDOUT,
+                               stdin=subprocess.DEVNULL, start_new_session=True)
+    try:
+        yield process
+    finally:
+        end(process)
+
+
+def wait_for_master(port):
+    until = time.monotonic() + START_UP
+    while time.monotonic() < until:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
+            return
+        time.sleep(0.05)
+    raise EvaluationError(f"roscore did not come up on port {port} within {START_UP:.0f} s")
 
 
 class RosGraph:
