@@ -79,16 +79,17 @@ def wait_for_master(port):
 
 
 class RosGraph:
-    """Context manager that runs a launch file; logs go to `folder`."""
+    """Context manager that runs a launch file; logs go to `folder`. `environment` is that of its programs."""
 
     def __init__(self, package, launch_file, arguments, folder):
         port = free_port()
+        self.environment = environment(port, folder)
         self.log = folder / "roslaunch.log"
         command = ["roslaunch", "--port", str(port), package, launch_file]
         command += [f"{name}:={value}" for name, value in arguments.items()]
         with open(self.log, "wb") as log:
             # In its own session: Ctrl-C reaches only this program, which then shuts the graph down.
-            self.process = subprocess.Popen(command, env=environment(port, folder), stdin=subprocess.DEVNULL,
+            self.process = subprocess.Popen(command, env=self.environment, stdin=subprocess.DEVNULL,
                                             stdout=log, stderr=subprocess.STDOUT,
                                             start_new_session=True)
 
