@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""debian/ agrees with package.xml, with what CMake installs and with the packages of scripts/setup."""
+"""debian/ and Dockerfile agree with package.xml, with what CMake installs and with the packages of scripts/setup."""
+import json
 import re
 import subprocess
 import sys
@@ -63,6 +64,12 @@ def installed_sources():
         yield from paths.split()
 
 
+def instructions():
+    """The instructions of the Dockerfile, as pairs of name and argument."""
+    lines = re.sub(r"^#.*\n", "", read("Dockerfile"), flags=re.MULTILINE).replace("\\\n", " ").splitlines()
+    return [tuple(line.split(None, 1)) for line in lines if line]
+
+
 class DebianPackage(unittest.TestCase):
     def testDependenciesCoverThoseOfPackageXml(self):
         depends, recommends = control_field("Depends"), control_field("Recommends")
@@ -117,6 +124,31 @@ class DebianPackage(unittest.TestCase):
         paths = [library.get("path") for library in ElementTree.parse(ROOT / "nodelet_plugins.xml").iter("library")]
         self.assertEqual([path for path in paths if not path.startswith("libracecar_mcl_")], [])
         self.assertEqual(len(paths), 3)
+
+
+class Dockerfile(unittest.TestCase):
+    def testPackagesAreThoseOfSetup(self):
+        steps = instructions()
+        self.assertEqual(steps[0], ("FROM", "ros:noetic-ros-base"))
+        setup = next(i for i, (_, text) in enumerate(steps) if text.startswith("scripts/setup --packages-only"))
+        before = {word for name, text in steps[:setup] if name == "COPY" for word in text.split()[:-1]}
+        # Scripts before the sources; common.sh is the only one that setup reads.
+        self.assertEqual(before, {"scripts/setup", "scripts/lib/common.sh"})
+        self.assertEqual(re.findall(r'^\. .*/(\S+)"', read("scripts/setup"), re.MULTILINE), ["common.sh"])
+        self.assertEqual([text for _, text in steps if "apt-get install" in text], [])
+
+    def testInstallsIntoThePrefixOfItsEntryPoint(self):
+        steps = dict(instructions())
+        prefix = re.search(r"-DCMAKE_INSTALL_PREFIX=(\S+)", read("Dockerfile")).group(1)
+        shell, option, command, _ = json.loads(steps["ENTRYPOINT"])
+        self.assertEqual((shell, option), ("bash", "-c"))
+        self.assertEqual(command, f'. {prefix}/setup.bash -- && exec roslaunch racecar_mcl "$@"')
+        self.assertTrue((ROOT / "launch" / json.loads(steps["CMD"])[0]).exists())
+
+    def testContextHasNoBuildFolder(self):
+        ignored = read(".dockerignore").split()
+        self.assertLessEqual({".git", "build", ".devel"}, set(ignored))
+        self.assertEqual([name for name in ignored if name.split("/")[0] in ("src", "scripts", "debian")], [])
 
 
 if __name__ == "__main__":
