@@ -9,6 +9,8 @@ namespace racecar_mcl {
 namespace {
 
 constexpr double kBufferDuration = 10.0;  // s
+// Over a longer gap nothing is integrated: the clock was set forward, or the motion is unknown.
+constexpr double kLongestGap = 20.0;  // s
 constexpr double kRestDuration = 0.5;     // s, a car stands still before it counts as at rest
 // Below these speeds the car counts as stationary.
 constexpr double kStationarySpeed = 1e-3;     // m/s
@@ -139,8 +141,8 @@ OdometryOutcome OdometryBuffer::insert(const OdometrySample& sample) {
     }
   } else {
     // Over a gap the twist is integrated for max_odometry_gap, spread over the whole gap.
-    const double ratio =
-        outcome == OdometryOutcome::kGap ? parameters_.max_odometry_gap / elapsed : 1.0;
+    double ratio = outcome == OdometryOutcome::kGap ? parameters_.max_odometry_gap / elapsed : 1.0;
+    if (elapsed > kLongestGap) ratio = 0.0;
     entry.twist = {sample.twist.vx * ratio, sample.twist.vy * ratio, sample.twist.wz * ratio};
   }
   entry.state = advance(last.state, entry.twist, elapsed, 1.0);

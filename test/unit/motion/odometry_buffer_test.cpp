@@ -165,6 +165,16 @@ TEST(OdometryBuffer, IntegratesATwistOverAGapOnlyForTheLimit) {
   EXPECT_NEAR(history.at(10.1).base_in_odom.x - history.at(10.0).base_in_odom.x, 0.2, 1e-9);
 }
 
+TEST(OdometryBuffer, IntegratesNothingOverAStepOfTheClock) {
+  OdometryBuffer history;
+  history.add(twistAt(0.0, {3.0, 0.0, 0.0}));
+  history.add(twistAt(0.02, {3.0, 0.0, 0.0}));
+  const OdometryState before = history.at(0.02);
+  history.add(twistAt(100.04, {3.0, 0.0, 0.0}));
+  history.add(twistAt(100.06, {3.0, 0.0, 0.0}));
+  EXPECT_NEAR(motionBetween(before, history.at(100.06)).delta.x, 0.06, 1e-6);
+}
+
 TEST(OdometryBuffer, TwoLongGapsInARowAreGaps) {
   OdometryBuffer history = driven({1.0, 0.0, 0.0}, 50);
   history.add(twistAt(2.6, {1.0, 0.0, 0.0}));
