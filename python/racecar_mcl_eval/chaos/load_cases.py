@@ -15,13 +15,21 @@ TOPICS = ["/pf/pose/odom", "/tf", "/pf/viz/particles", "/pf/viz/scan", "/pf/viz/
 CROWD_SETTLING = 3.0  # s, for the buffers of the connections
 
 
+def connections(answer):
+    """The number of connections that read_and_ignore sends to its pipe; 0 if it ends or takes too long."""
+    try:
+        return answer.recv() if answer.poll(START_UP) else 0
+    except EOFError:
+        return 0
+
+
 def crowd(lab):
     drive = lab.drive()
     with contextlib.ExitStack() as stack:
         session = stack.enter_context(Session(lab, "crowd", drive))
         session.continue_until(SETTLING)
         answer = stack.enter_context(child(read_and_ignore, TOPICS, SUBSCRIBERS, lab.environment))
-        if not answer.poll(START_UP):
+        if connections(answer) != SUBSCRIBERS + len(TOPICS):
             raise EvaluationError("the subscribers did not connect")
         begin = session.now() + CROWD_SETTLING
         session.continue_until(begin + lab.seconds)

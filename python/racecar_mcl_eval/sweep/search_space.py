@@ -37,6 +37,8 @@ def default_space(base):
         other, value = _APPLIES.get(name, (None, None))
         if name.startswith(f"{EXPERT}/") or name in NOT_TUNED or (other and base[other] != value):
             continue
+        if base[name] == 0 and not isinstance(base[name], bool):
+            continue  # switched off; no factor gives a range
         space[name] = ({"choices": [False, True]} if isinstance(base[name], bool) else
                        {"low": base[name] / FACTOR, "high": base[name] * FACTOR, "log": True})
     return space

@@ -36,8 +36,8 @@ class Store:
         with tempfile.NamedTemporaryFile("w", dir=str(path.parent), suffix=".tmp", delete=False,
                                          encoding="utf-8") as file:
             file.write(json.dumps(saved, indent=2, sort_keys=True) + "\n")
-        os.chmod(file.name, 0o644)
         try:
+            os.chmod(file.name, 0o644)
             os.replace(file.name, str(path))
         except FileNotFoundError:
             # Removed by another process that has written the same result.
