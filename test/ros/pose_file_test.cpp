@@ -12,9 +12,7 @@ namespace {
 
 SavedPose savedPose() {
   SavedPose pose{"one map", {1.0, 2.0, 0.5}, OdometryPose{100.0, {10.0, 0.0, 0.0}}, {}};
-  pose.sensors.odometry = {0.98, 0.01, {1.2, -0.02, 0.1}};
-  pose.sensors.range_bias = 0.03;
-  pose.sensors.scan_reversed = true;
+  pose.sensors = SensorCalibration{{0.98, 0.01, {1.2, -0.02, 0.1}}, 0.03, true};
   return pose;
 }
 
@@ -31,13 +29,14 @@ TEST(PoseFile, ReturnsWhatWasWritten) {
   ASSERT_TRUE(read->odometry);
   EXPECT_EQ(read->odometry->stamp, 100.0);
   EXPECT_EQ(read->odometry->base_in_odom.x, 10.0);
-  EXPECT_EQ(read->sensors.odometry.distance_scale, 0.98);
-  EXPECT_EQ(read->sensors.odometry.delay, 0.01);
-  EXPECT_EQ(read->sensors.odometry.turn.scale, 1.2);
-  EXPECT_EQ(read->sensors.odometry.turn.offset, -0.02);
-  EXPECT_EQ(read->sensors.odometry.turn.delay, 0.1);
-  EXPECT_EQ(read->sensors.range_bias, 0.03);
-  EXPECT_TRUE(read->sensors.scan_reversed);
+  ASSERT_TRUE(read->sensors);
+  EXPECT_EQ(read->sensors->odometry.distance_scale, 0.98);
+  EXPECT_EQ(read->sensors->odometry.delay, 0.01);
+  EXPECT_EQ(read->sensors->odometry.turn.scale, 1.2);
+  EXPECT_EQ(read->sensors->odometry.turn.offset, -0.02);
+  EXPECT_EQ(read->sensors->odometry.turn.delay, 0.1);
+  EXPECT_EQ(read->sensors->range_bias, 0.03);
+  EXPECT_TRUE(read->sensors->scan_reversed);
   // Nothing but the file is left.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
@@ -64,7 +63,7 @@ TEST(PoseFile, NeedsNoCalibration) {
   const TemporaryDirectory folder;
   const std::string path = (folder.path() / "pose.yaml").string();
   std::ofstream(path) << "map: one\nbase_in_map: [1, 2, 3]\n";
-  EXPECT_EQ(readPoseFile(path)->sensors.odometry.turn.scale, 1.0);
+  EXPECT_FALSE(readPoseFile(path)->sensors);
 }
 
 TEST(ResumedPose, MovesWithOdometryThatHasRunOn) {

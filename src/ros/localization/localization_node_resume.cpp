@@ -43,7 +43,7 @@ void LocalizationNode::resume() {
   }
   if (!odometry && ++scans_before_resume_ < kMaxWaitingScans) return;
   ROS_INFO("continuing from the last pose in %s", parameters_.last_pose_file.c_str());
-  localizer_.resumeCalibration(saved_pose_->sensors);
+  if (saved_pose_->sensors) localizer_.resumeCalibration(*saved_pose_->sensors);
   start(resumedPose(*saved_pose_, odometry));
   saved_pose_.reset();
 }

@@ -46,6 +46,14 @@ void visitNumbers(Calibration& sensors, const Visitor& visit) {
   visit("range_bias", sensors.range_bias);
 }
 
+void writeCalibration(const SensorCalibration& sensors, std::ostream* out) {
+  *out << "calibration:\n";
+  visitNumbers(sensors, [&](const char* key, double number) {
+    *out << "  " << key << ": " << number << '\n';
+  });
+  *out << "  scan_reversed: " << (sensors.scan_reversed ? "true" : "false") << '\n';
+}
+
 SensorCalibration readCalibration(const YAML::Node& node) {
   SensorCalibration sensors;
   visitNumbers(sensors, [&](const char* key, double& number) {
@@ -78,11 +86,7 @@ void writePoseFile(const std::string& path, const SavedPose& pose) {
     writePose("base_in_odom", pose.odometry->base_in_odom, &file);
     file << "odometry_stamp: " << pose.odometry->stamp << '\n';
   }
-  file << "calibration:\n";
-  visitNumbers(pose.sensors, [&](const char* key, double number) {
-    file << "  " << key << ": " << number << '\n';
-  });
-  file << "  scan_reversed: " << (pose.sensors.scan_reversed ? "true" : "false") << '\n';
+  if (pose.sensors) writeCalibration(*pose.sensors, &file);
   file.close();
   std::error_code error;
   if (file) std::filesystem::rename(draft, path, error);

@@ -20,7 +20,7 @@ struct SavedPose {
   std::string map;  ///< mapIdentity of the map
   Pose2 base_in_map;
   std::optional<OdometryPose> odometry;  ///< at that pose
-  SensorCalibration sensors;
+  std::optional<SensorCalibration> sensors;
 };
 
 /// Size, resolution and origin, to recognize the map of a saved pose.
