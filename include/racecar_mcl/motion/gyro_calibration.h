@@ -18,7 +18,8 @@ enum class GyroUse {
 const char* toString(GyroUse use);
 
 /// Compares the gyro with the scans: it is used once it is proven. Drivers that publish degrees per
-/// second (the VESC's does) are recognised by the ratio of the turns.
+/// second (the VESC's does) are recognised by the ratio of the turns, if they correlate with the
+/// scans'.
 class GyroCalibration {
  public:
   /// `distance`: distance constant of the calibration, m; 0 = constant.
@@ -47,10 +48,11 @@ class GyroCalibration {
 
   TurnCalibration calibration_;
   GyroUse use_ = GyroUse::kNoData;
-  double unit_ = 1.0;          ///< rad per unit of the samples
-  double gyro_turn_ = 0.0;     ///< rad, of the comparison that is under way
-  double true_turn_ = 0.0;     ///< rad, the same according to the scans
-  double seconds_ = 0.0;       ///< s, its duration
+  double unit_ = 1.0;       ///< rad per unit of the samples
+  double gyro_turn_ = 0.0;  ///< rad, of the comparison that is under way
+  double true_turn_ = 0.0;  ///< rad, the same according to the scans
+  double seconds_ = 0.0;    ///< s, its duration
+  int comparisons_ = 0;
   double turned_ = 0.0;        ///< rad, absolute, compared so far
   double product_ = 0.0;       ///< sum of the products of the scans' turns and the gyro's
   double gyro_squared_ = 0.0;  ///< sum of the squared turns of the gyro

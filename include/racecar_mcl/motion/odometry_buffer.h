@@ -59,7 +59,8 @@ enum class MotionFrom {
 
 struct OdometryParameters {
   MotionFrom motion_from = MotionFrom::kTwist;
-  double max_odometry_gap = 1.0;  ///< s; over a longer gap a twist is integrated for this time only
+  double max_odometry_gap = 1.0;  ///< s; over a longer gap a twist is integrated for this time
+                                  ///< only, over more than 20 s not at all
   double max_odometry_extrapolation =
       0.3;                  ///< s past the newest message for which the last twist is extrapolated
   double clock_jump = 1.0;  ///< s; two stamps older than the newest by this restart the time

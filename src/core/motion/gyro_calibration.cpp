@@ -13,8 +13,10 @@ constexpr double kProofTurn = 0.4;          // rad
 constexpr double kMemoryTurn = 6.0;         // rad
 // Ratios up to this factor from 1 are scale errors; others are another unit or mount.
 constexpr double kMaxRatio = 1.3;
-// Turns in degrees correlate with the scans'; noise may have any ratio.
+// Turns in degrees correlate with the scans'; noise may have any ratio. Fewer comparisons always
+// correlate.
 constexpr double kMinCorrelation = 0.9;
+constexpr int kMinComparisons = 3;
 // The gyro is dropped if its error exceeds the odometry's by this factor, and taken up again if it
 // does not.
 constexpr double kMaxErrorRatio = 1.2;
@@ -55,6 +57,7 @@ void GyroCalibration::compare(const Motion& motion, double true_turn) {
   if (seconds_ < kComparisonSeconds) return;
   if (std::abs(true_turn_) > kMinTurn) {
     const double memory = std::exp(-std::abs(true_turn_) / kMemoryTurn);
+    ++comparisons_;
     turned_ = memory * turned_ + std::abs(true_turn_);
     product_ = memory * product_ + gyro_turn_ * true_turn_;
     gyro_squared_ = memory * gyro_squared_ + gyro_turn_ * gyro_turn_;
@@ -64,7 +67,8 @@ void GyroCalibration::compare(const Motion& motion, double true_turn) {
 }
 
 bool GyroCalibration::measuresDegrees() const {
-  return unit_ == 1.0 && isNearOne(ratio() / kRadiansPerDegree) &&
+  return unit_ == 1.0 && comparisons_ >= kMinComparisons &&
+         isNearOne(ratio() / kRadiansPerDegree) &&
          product_ > kMinCorrelation * std::sqrt(gyro_squared_ * true_squared_);
 }
 
