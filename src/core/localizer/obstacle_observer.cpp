@@ -5,6 +5,9 @@
 namespace racecar_mcl {
 namespace {
 
+constexpr int kMaxBeams =
+    4000;  // more are thinned out: clustering takes the square of their number
+
 bool isUsable(const LocalizationStatus& status) {
   return status.state == LocalizationState::kLocalized ||
          status.state == LocalizationState::kDegraded;
@@ -19,7 +22,7 @@ Scan correctedScan(const Localizer& localizer, const Scan& scan) {
   };
   const Pose2 base_in_map = poseAfter(0.0);
   return ScanPreprocessor(parameters)
-      .correct(selectBeams(scan, static_cast<int>(scan.size()), parameters.scan_field_of_view),
+      .correct(selectBeams(scan, kMaxBeams, parameters.scan_field_of_view),
                {localizer.sensorCalibration().range_bias, localizer.scanDirection().isReversed()},
                [&](double seconds) { return between(base_in_map, poseAfter(seconds)); })
       .beams;

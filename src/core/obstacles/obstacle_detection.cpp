@@ -115,7 +115,7 @@ DetectedObstacles clusterReturns(const Eigen::Matrix2Xd& returns_in_map, int min
 }  // namespace
 
 void validate(const ObstacleDetectionParameters& p) {
-  requireWithin("obstacle_distance", p.obstacle_distance, 0.0, 10.0, "m");
+  requireWithin("obstacle_distance", p.obstacle_distance, 0.0, 5.0, "m");
   requireWithin("obstacle_min_returns", p.obstacle_min_returns, 1, 1000);
 }
 

@@ -17,6 +17,7 @@ constexpr double kArrowHeight = 0.2;  // m, above the map
 constexpr double kArrowWidth = 0.06;  // m
 constexpr double kArrowHead = 0.15;   // m
 constexpr double kTextHeight = 0.25;  // m
+constexpr double kLifetime = 1.0;     // s, without a new scan
 
 geometry_msgs::Point pointAt(const Eigen::Vector2d& in_map, double z) {
   geometry_msgs::Point point;
@@ -99,6 +100,7 @@ visualization_msgs::MarkerArray obstacleMarkers(const std::vector<ObstacleTrack>
   visualization_msgs::MarkerArray array;
   array.markers.push_back(marker);
   marker.action = visualization_msgs::Marker::ADD;
+  marker.lifetime = ros::Duration(kLifetime);
   for (const ObstacleTrack& track : tracks) {
     marker.id = static_cast<std::int32_t>(track.id);
     array.markers.push_back(disc(track, marker));

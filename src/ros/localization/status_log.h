@@ -21,7 +21,8 @@ class StatusLog {
 
   /// The message that is due at `now` (s on any clock), if any. Call it with every status.
   std::optional<Message> update(const LocalizationStatus& status, double now) {
-    const bool clock_jumped = now < last_ || now > last_ + kMaxStep;
+    // Simulated time is 0 until the first /clock.
+    const bool clock_jumped = now < last_ || last_ == 0.0;
     last_ = now;
     if (status.state != state_ || clock_jumped) {
       const bool begins = state_ == LocalizationState::kLocalized ||
@@ -46,8 +47,6 @@ class StatusLog {
 
  private:
   static constexpr double kMinDuration = 1.0;  // s
-  // Longer steps are jumps of the clock, as of simulated time from 0 to the first /clock.
-  static constexpr double kMaxStep = 5.0;  // s
 
   LocalizationState state_ = LocalizationState::kInitializing;
   LocalizationState reported_ = LocalizationState::kInitializing;
