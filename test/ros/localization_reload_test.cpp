@@ -77,8 +77,8 @@ TEST_F(LocalizationReloadTest, AWrongChangeIsRefusedAndNothingChanges) {
   parameters_.deleteParam("sensor_model");
   parameters_.deleteParam("max_range");
   expectStillLocalizes();
-  EXPECT_EQ(listener_.diagnostic("beams"), "240");
-  EXPECT_EQ(listener_.diagnostic("particles"), "200");
+  EXPECT_TRUE(listener_.waitForDiagnostic("beams", "240"));
+  EXPECT_TRUE(listener_.waitForDiagnostic("particles", "200"));
 }
 
 TEST_F(LocalizationReloadTest, AParameterThatNeedsARestartIsRefused) {
