@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kBufferDuration = 10.0;  // s
 // Over a longer gap nothing is integrated: the clock was set forward, or the motion is unknown.
-constexpr double kLongestGap = 20.0;  // s
-constexpr double kRestDuration = 0.5;     // s, a car stands still before it counts as at rest
+constexpr double kLongestGap = 20.0;   // s
+constexpr double kRestDuration = 0.5;  // s, a car stands still before it counts as at rest
 // Below these speeds the car counts as stationary.
 constexpr double kStationarySpeed = 1e-3;     // m/s
 constexpr double kStationaryTurnRate = 1e-3;  // rad/s
