@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <regex>
 #include <sstream>
+#include <string>
 
 #include "support/localization_fixture.h"
 #include "support/temporary_directory.h"
@@ -45,11 +45,13 @@ TEST_F(LocalizationResumeTest, ContinuesWithTheSavedCalibration) {
   expectStillLocalizes();
   ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
   node_.reset();
-  std::stringstream text;
-  text << std::ifstream(file_).rdbuf();
-  const std::regex scale("distance_scale: [^\n]*");
-  ASSERT_TRUE(std::regex_search(text.str(), scale));
-  std::ofstream(file_) << std::regex_replace(text.str(), scale, "distance_scale: 1.1");
+  std::stringstream saved;
+  saved << std::ifstream(file_).rdbuf();
+  std::string text = saved.str();
+  const std::size_t scale = text.find("distance_scale:");
+  ASSERT_NE(scale, std::string::npos);
+  text.replace(scale, text.find('\n', scale) - scale, "distance_scale: 1.1");
+  std::ofstream(file_) << text;
   restartNode();
   EXPECT_TRUE(listener_.waitFor([&] {
     const double now = std::strtod(listener_.diagnostic("distance scale").c_str(), nullptr);
