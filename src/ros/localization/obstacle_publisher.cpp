@@ -82,6 +82,7 @@ sensor_msgs::PointCloud2 obstacleCloud(const DetectedObstacles& obstacles,
                                 sensor_msgs::PointField::FLOAT32, "z", 1,
                                 sensor_msgs::PointField::FLOAT32);
   modifier.resize(static_cast<std::size_t>(obstacles.points_in_map.cols()));
+  if (cloud.data.empty()) return cloud;  // its iterator needs a point
   sensor_msgs::PointCloud2Iterator<float> point(cloud, "x");
   for (Eigen::Index k = 0; k < obstacles.points_in_map.cols(); ++k, ++point) {
     point[0] = static_cast<float>(obstacles.points_in_map(0, k));
