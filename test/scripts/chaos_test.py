@@ -100,6 +100,8 @@ class Program(unittest.TestCase):
     def testACaseThatCannotBeMeasuredHasFailed(self):
         failing = case(measure=mock.Mock(side_effect=EvaluationError("no master")))
         self.assertEqual(chaos.run_case(failing, None), report.Result(failing, None, "no master"))
+        failing = case(measure=mock.Mock(side_effect=IndexError("empty")))
+        self.assertEqual(chaos.run_case(failing, None), report.Result(failing, None, "IndexError: empty"))
 
     def testRefusesTimesThatAreNotPositive(self):
         for arguments in (["--seconds", "0"], ["--soak", "-1"], ["--reloads", "9"]):

@@ -64,7 +64,9 @@ def run_case(case, lab):
     """The Result of a case; a case that cannot be measured has failed."""
     try:
         return report.Result(case, case.measure(lab))
-    except Exception as error:  # of any kind: the other cases are run all the same
+    except (EvaluationError, OSError) as error:
+        return report.Result(case, None, str(error))
+    except Exception as error:  # of any other kind: the other cases are run all the same
         return report.Result(case, None, f"{type(error).__name__}: {error}")
 
 
