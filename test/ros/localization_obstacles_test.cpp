@@ -35,6 +35,13 @@ class LocalizationObstaclesTest : public LocalizationTest {
     });
   }
 
+  /// Waits until everything of the last scan is published, which is later than its pose: the thread
+  /// that publishes answers this call afterwards.
+  bool finishedLastScan() const {
+    std_srvs::Trigger reload;
+    return ros::service::call(namespace_ + "/localization/reload_parameters", reload);
+  }
+
   sim::Obstacle disc_ = [] {
     sim::Obstacle disc;
     disc.radius = 0.2;
@@ -118,6 +125,7 @@ TEST_F(LocalizationObstaclesTest, PublishesNothingWithoutSubscribers) {
   placeDisc();
   startLocalized();
   drive(1.0);
+  ASSERT_TRUE(finishedLastScan());
   const Clouds clouds(handle_, "pf/obstacles");
   const Markers markers(handle_, "pf/viz/obstacles");
   ros::WallDuration(0.5).sleep();
