@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/stamped_entries.h"
 #include "racecar_mcl/common/limits.h"
 
 namespace racecar_mcl {
@@ -81,9 +82,7 @@ std::optional<GyroState> GyroBuffer::at(double stamp) const {
     if (past > kMaxGap) return std::nullopt;
     return GyroState{newest.state.turn + newest.state.rate * past, newest.state.rate};
   }
-  const auto later =
-      std::upper_bound(entries_.begin(), entries_.end(), stamp,
-                       [](double value, const Entry& entry) { return value < entry.stamp; });
+  const auto later = firstAfter(entries_, stamp);
   const Entry& earlier = *(later - 1);
   const double elapsed = stamp - earlier.stamp;
   const double ratio = elapsed / (later->stamp - earlier.stamp);
@@ -93,11 +92,7 @@ std::optional<GyroState> GyroBuffer::at(double stamp) const {
 
 GyroBuffer GyroBuffer::since(double stamp) const {
   GyroBuffer part(clock_jump_);
-  auto first =
-      std::upper_bound(entries_.begin(), entries_.end(), stamp,
-                       [](double value, const Entry& entry) { return value < entry.stamp; });
-  if (first != entries_.begin()) --first;
-  part.entries_.assign(first, entries_.end());
+  part.entries_ = entriesSince(entries_, stamp);
   return part;
 }
 

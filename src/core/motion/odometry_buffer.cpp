@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/stamped_entries.h"
 #include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl {
@@ -170,9 +171,7 @@ OdometryState OdometryBuffer::at(double stamp) const {
     const double period = newest.seconds > 0.0 ? newest.seconds : ahead;
     return advance(newest.state, newest.twist_after, ahead, period > 0.0 ? ahead / period : 0.0);
   }
-  const auto later =
-      std::upper_bound(entries_.begin(), entries_.end(), stamp,
-                       [](double value, const Entry& entry) { return value < entry.stamp; });
+  const auto later = firstAfter(entries_, stamp);
   if (later == entries_.begin()) return entries_.front().state;
   const Entry& earlier = *(later - 1);
   const double elapsed = stamp - earlier.stamp;
@@ -188,11 +187,7 @@ bool OdometryBuffer::isAtRest(double stamp) const {
 OdometryBuffer OdometryBuffer::since(double stamp) const {
   OdometryBuffer part(parameters_);
   part.start_ = start_;
-  auto first =
-      std::upper_bound(entries_.begin(), entries_.end(), stamp,
-                       [](double value, const Entry& entry) { return value < entry.stamp; });
-  if (first != entries_.begin()) --first;
-  part.entries_.assign(first, entries_.end());
+  part.entries_ = entriesSince(entries_, stamp);
   return part;
 }
 
