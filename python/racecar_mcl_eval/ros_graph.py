@@ -1,6 +1,7 @@
 """A private ROS graph: roslaunch with a roscore on a free port, shut down on every exit path."""
 import contextlib
 import os
+import random
 import signal
 import socket
 import subprocess
@@ -12,12 +13,20 @@ from . import EvaluationError
 START_UP = 30.0  # s, limit for the start of roscore
 # roslaunch waits for its nodes for 15 s after SIGINT and 2 s after SIGTERM.
 END_TIMEOUT = 20.0  # s
+SERVER_PORTS = range(20000, 32000)  # Linux gives clients ports from 32768 on
 
 
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """A free TCP port for a roscore. It is below those that the system gives to clients, any of which may take a port
+    of theirs before the roscore does."""
+    for port in random.SystemRandom().sample(SERVER_PORTS, 100):
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+                return port
+            except OSError:
+                continue
+    raise EvaluationError(f"no free port between {SERVER_PORTS[0]} and {SERVER_PORTS[-1]}")
 
 
 def descendants_of(pid):
