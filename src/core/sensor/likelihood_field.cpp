@@ -68,6 +68,8 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
   const std::vector<std::uint8_t> blurred = withMargin(surfaces.blurred, geometry, margin);
   cells_.assign(distances.size(), 0);
   const double log_rand = std::log(parameters.z_rand);
+  // Beyond it the values round to that of the outside.
+  const double reach = distanceOf(log_rand + 0.5 * static_cast<double>(log_step_));
   const auto width = static_cast<std::size_t>(geometry_.width);
   for (int row = kEdge; row < geometry_.height - kEdge; ++row) {
     for (int column = kEdge; column < geometry_.width - kEdge; ++column) {
@@ -75,6 +77,7 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
           static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column);
       const double factor = blurred[cell] != 0 ? parameters.inside_wall_factor : 1.0;
       const double distance = factor * static_cast<double>(distances[cell]) * geometry_.resolution;
+      if (!(distance < reach)) continue;
       const double above_rand = logLikelihoodAt(distance) - log_rand;
       const auto steps =
           static_cast<unsigned>(std::lround(above_rand / static_cast<double>(log_step_)));
