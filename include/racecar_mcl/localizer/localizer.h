@@ -37,9 +37,7 @@ class Localizer {
   /// Starts around a pose at the newest stamp seen, or at a stamp, from where odometry moves it.
   /// Throws as ParticleFilter::initialize, and ParameterError if the pose is outside the map.
   void initialize(const PoseEstimate& start);
-  void initialize(const PoseEstimate& start, double stamp) {
-    initialize(extrapolator_.moveToNewest(start, stamp));
-  }
+  void initialize(const PoseEstimate& start, double stamp);
   /// Starts with an unknown pose: particles are drawn where the next scan matches the map, or
   /// evenly from the free space if relocalization is off. Without a map it returns false and does
   /// nothing.
@@ -75,6 +73,8 @@ class Localizer {
   const ScanDirection& scanDirection() const { return scan_direction_; }
   const OdometryCalibration& calibration() const { return calibration_; }
   SensorCalibration sensorCalibration() const;
+  /// A used scan with up to `count` beams, selected evenly, corrected and deskewed as the filter's.
+  Scan correctedScan(const Scan& scan, int count) const;
   /// m; scans closer together than this have correlated errors and are down-weighted.
   double decorrelationDistance() const;
   const LocalizerParameters& parameters() const { return parameters_; }

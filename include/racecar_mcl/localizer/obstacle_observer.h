@@ -7,10 +7,6 @@
 
 namespace racecar_mcl {
 
-/// All beams of a scan within scan_field_of_view, corrected and deskewed as those that the
-/// localizer uses. Precondition: the localizer has been updated with the scan, and has a start.
-Scan correctedScan(const Localizer& localizer, const Scan& scan);
-
 class ObstacleObserver {
  public:
   /// Throws as `validate` does.

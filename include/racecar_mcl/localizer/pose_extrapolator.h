@@ -63,6 +63,8 @@ class PoseExtrapolator {
   /// clock_jump or more restarts the time; one alone is an outlier, as is one far ahead of scans
   /// and odometry.
   ScanOutcome checkStamp(double stamp);
+  /// A copy of the odometry over the sweep of a scan, in either acquisition order.
+  CalibratedOdometry odometryOver(const Scan& scan) const;
   /// The motion up to a scan. Throws std::logic_error before a start.
   ScanMotion beginScan(const Scan& scan);
   /// Sets the estimate at a scan's stamp, and the corrections of the odometry from then on.
@@ -76,6 +78,7 @@ class PoseExtrapolator {
     MotionOrigin origin;
   };
 
+  CalibratedOdometry since(const Scan& scan) const;
   Motion motionTo(double stamp) const;
   std::optional<double> newest() const;
   /// The latest plausible stamp of the next scan; none before the first message.

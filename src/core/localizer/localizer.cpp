@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "racecar_mcl/scan/beam_selection.h"
 #include "racecar_mcl/scan/deskew.h"
 #include "racecar_mcl/sensor/distance_filter.h"
 
@@ -21,6 +22,13 @@ constexpr double kSurfaceSigma = 0.1;
 // outlier ratio over the typical one: consecutive scans repeat the outliers of an incomplete map
 // (docs/decisions.md).
 constexpr double kDecorrelationPerOutlierRatio = 1.5;
+
+/// The motion from a stamp (s) on. The odometry must outlive the function.
+BaseAfter baseAfter(const CalibratedOdometry& odometry, double stamp) {
+  return [&odometry, stamp, origin = odometry.at(stamp)](double seconds) {
+    return odometry.motion(origin, stamp + seconds).delta;
+  };
+}
 
 bool isStationary(const Motion& motion) {
   return motion.distance < kStationaryDistance && motion.rotation < kStationaryRotation;
@@ -96,12 +104,18 @@ void Localizer::run(const Scan& scan, ScanResult* result) {
   extrapolator_.setReference(estimate, result->stamp, calibration_, noise_adaptation_.noiseScale());
 }
 
+Scan Localizer::correctedScan(const Scan& scan, int count) const {
+  const Scan selected = selectBeams(scan, count, parameters_.scan.scan_field_of_view);
+  const CalibratedOdometry odometry = extrapolator_.odometryOver(selected);
+  return preprocessor_
+      .correct(selected, {range_bias_.bias(), scan_direction_.isReversed()},
+               baseAfter(odometry, scan.stamp))
+      .beams;
+}
+
 Localizer::Step Localizer::preprocess(const Scan& selected) {
   const PoseExtrapolator::ScanMotion motion = extrapolator_.beginScan(selected);
-  const MotionOrigin origin = motion.odometry.at(selected.stamp);
-  const BaseAfter base_after = [&](double seconds) {
-    return motion.odometry.motion(origin, selected.stamp + seconds).delta;
-  };
+  const BaseAfter base_after = baseAfter(motion.odometry, selected.stamp);
   Step step;
   step.scan = preprocessor_.correct(selected, {range_bias_.bias(), scan_direction_.isReversed()},
                                     base_after);

@@ -34,6 +34,10 @@ Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
       verifier_(parameters.filter, parameters.motion, seed + 1),
       monitor_(parameters.monitor, parameters.protection) {}
 
+void Localizer::initialize(const PoseEstimate& start, double stamp) {
+  initialize(extrapolator_.moveToNewest(start, stamp));
+}
+
 void Localizer::setMap(std::shared_ptr<const LocalizationMap> map) {
   sensor_model_ =
       makeSensorModel(*map, sensorParameters(parameters_), parameters_.filter.num_threads);

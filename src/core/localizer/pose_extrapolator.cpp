@@ -183,14 +183,22 @@ ScanOutcome PoseExtrapolator::checkStamp(double stamp) {
   return ScanOutcome::kTimeJumpedBack;
 }
 
+CalibratedOdometry PoseExtrapolator::odometryOver(const Scan& scan) const {
+  const Lock lock(*mutex_);
+  return since(scan);
+}
+
+CalibratedOdometry PoseExtrapolator::since(const Scan& scan) const {
+  const auto sweep_time = static_cast<double>(scan.seconds_after_stamp.abs().maxCoeff());
+  return odometry_.since(scan.stamp - sweep_time);
+}
+
 PoseExtrapolator::ScanMotion PoseExtrapolator::beginScan(const Scan& scan) {
   const Lock lock(*mutex_);
   if (!reference_) throw std::logic_error("there is no pose to extrapolate: initialize first");
   last_scan_stamp_ = scan.stamp;
   ScanMotion motion;
-  // Valid for either acquisition order.
-  const auto sweep_time = static_cast<double>(scan.seconds_after_stamp.abs().maxCoeff());
-  motion.odometry = odometry_.since(scan.stamp - sweep_time);
+  motion.odometry = since(scan);
   motion.before = reference_->estimate;
   motion.motion = motionTo(scan.stamp);
   motion.odometry_is_new =

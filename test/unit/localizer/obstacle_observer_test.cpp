@@ -7,6 +7,8 @@
 namespace racecar_mcl {
 namespace {
 
+constexpr int kAllBeams = 100000;
+
 /// A fast car with a slow lidar: sweeps are distorted by 0.1 m and 0.1 rad.
 class ObstacleObserverTest : public LocalizerTest {
  protected:
@@ -74,8 +76,9 @@ TEST_F(ObstacleObserverTest, DeskewsAllBeams) {
   };
   const Scan scan = scanAt(stamp);
   EXPECT_GT(farthestFromWalls(scan), 0.1);
-  EXPECT_LT(farthestFromWalls(correctedScan(localizer, scan)), 0.02);
-  EXPECT_EQ(correctedScan(localizer, scan).size(), scan.size());
+  EXPECT_LT(farthestFromWalls(localizer.correctedScan(scan, kAllBeams)), 0.02);
+  EXPECT_EQ(localizer.correctedScan(scan, kAllBeams).size(), scan.size());
+  EXPECT_EQ(localizer.correctedScan(scan, 10).size(), 10);
 }
 
 TEST_F(ObstacleObserverTest, UsesTheFieldOfViewOfTheLocalizer) {
@@ -83,10 +86,10 @@ TEST_F(ObstacleObserverTest, UsesTheFieldOfViewOfTheLocalizer) {
   Localizer localizer = started(parameters);
   drive(&localizer, 0.0, 1.0);
   const Scan scan = scanAt(start_ + 1.0);
-  EXPECT_EQ(correctedScan(localizer, scan).size(), scan.size());
+  EXPECT_EQ(localizer.correctedScan(scan, kAllBeams).size(), scan.size());
   parameters.scan.scan_field_of_view = 2.35;
   localizer.setParameters(parameters, localizer.map());
-  EXPECT_NEAR(correctedScan(localizer, scan).size(), scan.size() / 2, 2);
+  EXPECT_NEAR(localizer.correctedScan(scan, kAllBeams).size(), scan.size() / 2, 2);
 }
 
 TEST_F(ObstacleObserverTest, FindsNothingUnlessLocalizedOrDegraded) {
