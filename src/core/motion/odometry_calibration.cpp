@@ -1,8 +1,8 @@
 #include "racecar_mcl/motion/odometry_calibration.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "motion/bounded.h"
 #include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl {
@@ -20,9 +20,7 @@ constexpr double kMaxCorrectionRatio = 0.3;
 
 // Prior information of a delay of zero (docs/maths.md), so that no single scan determines the
 // delay.
-constexpr double kDelayPrior = 0.125;  // (m/s)^2
-
-double bounded(double value, double limit) { return std::clamp(value, -limit, limit); }
+constexpr double kDistanceDelayPrior = 0.125;  // (m/s)^2
 
 }  // namespace
 
@@ -93,7 +91,7 @@ void OdometryCalibration::updateDelay(const Motion& motion, const Pose2& correct
       std::exp(-motion.distance / parameters_.calibration_distance) * delay_information_ +
       change * change;
   const double along = bounded(correction.x, kMaxDelay * std::abs(change));
-  delay_ = bounded(delay_ + change * along / (kDelayPrior + delay_information_), kMaxDelay);
+  delay_ = bounded(delay_ + change * along / (kDistanceDelayPrior + delay_information_), kMaxDelay);
 }
 
 }  // namespace racecar_mcl

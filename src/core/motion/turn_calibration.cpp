@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/bounded.h"
+
 namespace racecar_mcl {
 namespace {
 
@@ -14,12 +16,10 @@ constexpr double kBlockDistance = 1.0;
 constexpr double kTurnSigma = 0.05;        // rad
 constexpr double kTurnSigmaPerTurn = 0.2;  // rad per rad
 // Prior information of a delay of zero, so that no single turn determines the delay.
-constexpr double kDelayPrior = 4.0;  // (rad/s)^2
+constexpr double kTurnDelayPrior = 4.0;  // (rad/s)^2
 // Largest curvature error that is taken from one block: larger ones are slip or wrong matches.
 constexpr double kMaxCurvature = 0.1;  // rad/m
 constexpr double kErrorScans = 30.0;   // scans, over which the error fades
-
-double bounded(double value, double limit) { return std::clamp(value, -limit, limit); }
 
 }  // namespace
 
@@ -82,7 +82,7 @@ void TurnCalibration::learnDelay(double rate_change, double error, double memory
   const double change = estimates_.scale * rate_change;
   delay_information_ = memory * delay_information_ + change * change;
   const double explained = bounded(error, errors_.max_delay * std::abs(change));
-  const double step = change * explained / (kDelayPrior + delay_information_);
+  const double step = change * explained / (kTurnDelayPrior + delay_information_);
   estimates_.delay = bounded(estimates_.delay + step, errors_.max_delay);
 }
 

@@ -13,7 +13,7 @@ namespace racecar_mcl {
 namespace {
 
 // Above the rounding error of a planar quaternion; shortens 100 m by 50 um only.
-constexpr double kMaxTilt = 1e-3;  // rad
+constexpr double kMaxMapTilt = 1e-3;  // rad
 
 Pose2 originOf(const geometry_msgs::Pose& pose) {
   Pose2 origin;
@@ -25,7 +25,7 @@ Pose2 originOf(const geometry_msgs::Pose& pose) {
   // The sine of half the angle between the map's z axis and its frame's.
   const geometry_msgs::Quaternion& q = pose.orientation;
   const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (std::hypot(q.x, q.y) / length > std::sin(kMaxTilt / 2.0)) {
+  if (std::hypot(q.x, q.y) / length > std::sin(kMaxMapTilt / 2.0)) {
     std::ostringstream problem;
     problem << "the map's origin has the quaternion (" << q.x << ", " << q.y << ", " << q.z << ", "
             << q.w << "), which tilts the map; expected a rotation about z";

@@ -13,7 +13,7 @@ ros::Time timeOf(double stamp) {
   return ros::Time(std::clamp(stamp, 0.0, ros::TIME_MAX.toSec() - 1.0));
 }
 
-constexpr double kMaxTilt = 0.2;  // rad
+constexpr double kMaxMountTilt = 0.2;  // rad
 
 // Rows and columns of a ROS covariance: x, y, z, roll, pitch, yaw.
 constexpr int kAxes[3] = {0, 1, 5};
@@ -196,10 +196,10 @@ void requireOnCar(const Pose2& laser_in_base) {
 LidarExtrinsics toLidarExtrinsics(const geometry_msgs::Transform& laser_in_base) {
   const Quaternion q = normalized(laser_in_base.rotation);
   const double up = upwards(q);
-  if (std::abs(up) < std::cos(kMaxTilt)) {
+  if (std::abs(up) < std::cos(kMaxMountTilt)) {
     std::ostringstream problem;
     problem << "the lidar is tilted by " << std::acos(std::min(1.0, std::abs(up)))
-            << " rad out of the plane; expected at most " << kMaxTilt;
+            << " rad out of the plane; expected at most " << kMaxMountTilt;
     throw MessageError(problem.str());
   }
   LidarExtrinsics extrinsics;

@@ -11,13 +11,13 @@
 namespace racecar_mcl {
 namespace {
 
-constexpr double kMinDiameter = 0.1;  // m
-constexpr double kDiscHeight = 0.1;   // m
-constexpr double kArrowHeight = 0.2;  // m, above the map
-constexpr double kArrowWidth = 0.06;  // m
-constexpr double kArrowHead = 0.15;   // m
-constexpr double kTextHeight = 0.25;  // m
-constexpr double kLifetime = 1.0;     // s, without a new scan
+constexpr double kMinDiameter = 0.1;     // m
+constexpr double kDiscHeight = 0.1;      // m
+constexpr double kVelocityHeight = 0.2;  // m, above the map
+constexpr double kVelocityWidth = 0.06;  // m
+constexpr double kVelocityHead = 0.15;   // m
+constexpr double kSpeedHeight = 0.25;    // m
+constexpr double kLifetime = 1.0;        // s, without a new scan
 
 geometry_msgs::Point pointAt(const Eigen::Vector2d& in_map, double z) {
   geometry_msgs::Point point;
@@ -48,11 +48,11 @@ visualization_msgs::Marker disc(const ObstacleTrack& track, visualization_msgs::
 visualization_msgs::Marker arrow(const ObstacleTrack& track, visualization_msgs::Marker marker) {
   marker.ns = "velocities";
   marker.type = visualization_msgs::Marker::ARROW;
-  marker.points = {pointAt(track.position_in_map, kArrowHeight),
-                   pointAt(track.position_in_map + track.velocity_in_map, kArrowHeight)};
-  marker.scale.x = kArrowWidth;
-  marker.scale.y = 2.0 * kArrowWidth;
-  marker.scale.z = kArrowHead;
+  marker.points = {pointAt(track.position_in_map, kVelocityHeight),
+                   pointAt(track.position_in_map + track.velocity_in_map, kVelocityHeight)};
+  marker.scale.x = kVelocityWidth;
+  marker.scale.y = 2.0 * kVelocityWidth;
+  marker.scale.z = kVelocityHead;
   marker.color = magenta(1.0f);
   return marker;
 }
@@ -61,8 +61,8 @@ visualization_msgs::Marker speedText(const ObstacleTrack& track,
                                      visualization_msgs::Marker marker) {
   marker.ns = "speeds";
   marker.type = visualization_msgs::Marker::TEXT_VIEW_FACING;
-  marker.pose.position = pointAt(track.position_in_map, kArrowHeight + kTextHeight);
-  marker.scale.z = kTextHeight;
+  marker.pose.position = pointAt(track.position_in_map, kVelocityHeight + kSpeedHeight);
+  marker.scale.z = kSpeedHeight;
   marker.color = magenta(1.0f);
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << track.velocity_in_map.norm() << " m/s";
