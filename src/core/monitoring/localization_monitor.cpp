@@ -33,8 +33,7 @@ constexpr double kCorrectionTime = 2.0;     // s
 constexpr double kToleratedDistance = 0.5;  // m
 // Distance after a start over which corrections are those of the start pose.
 constexpr double kSettlingDistance = 1.0;  // m
-// Minimum inlier ratio of an informative map, and distance driven on it over which `carried`
-// decays.
+// Minimum inlier ratio of an informative map; distance driven on it over which `carried` decays.
 constexpr double kMinInformativeInlierRatio = 0.75;
 constexpr double kCarriedDecayDistance = 1.0;  // m
 // Maximum inlier ratio of a lost estimate. In Wean Hall the right pose has 0.42 to 0.5 for seconds.
@@ -115,11 +114,8 @@ void LocalizationMonitor::average(const MonitorInput& input) {
   const double keep_correction = std::exp(-elapsed / kCorrectionTime);
   if (!input.converged || input.jumped) since_start_ = 0.0;
   since_start_ += input.travelled;
-  if (since_start_ < kSettlingDistance) {
-    correction_.setZero();
-  } else {
-    correction_ = keep_correction * correction_ + input.correction;
-  }
+  correction_ = keep_correction * correction_ + input.correction;
+  if (since_start_ < kSettlingDistance) correction_.setZero();
   travelled_ = keep_correction * travelled_ + input.travelled;
 }
 
