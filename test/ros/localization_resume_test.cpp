@@ -1,6 +1,9 @@
 // The last pose in a file: saving it, and continuing from it.
+#include <std_srvs/Trigger.h>
+
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -21,6 +24,19 @@ class LocalizationResumeTest : public LocalizationTest {
     listener_.forget();
     startNode();
     ASSERT_TRUE(listener_.waitForLog("map of"));
+  }
+
+  std_srvs::TriggerResponse savePose() {
+    std_srvs::Trigger trigger;
+    EXPECT_TRUE(ros::service::call(namespace_ + "/localization/save_pose", trigger));
+    return trigger.response;
+  }
+
+  void expectNotSaved(const std::string& words) {
+    const std_srvs::TriggerResponse response = savePose();
+    EXPECT_FALSE(response.success);
+    EXPECT_NE(response.message.find(words), std::string::npos) << response.message;
+    EXPECT_TRUE(listener_.waitForLog("pose not saved: "));
   }
 
   TemporaryDirectory folder_;
@@ -102,6 +118,34 @@ TEST_F(LocalizationResumeTest, APoseThatCannotBeSavedIsAWarning) {
     return listener_.logged("the last pose cannot be written to") > 0;
   }));
   expectStillLocalizes();
+}
+
+TEST_F(LocalizationResumeTest, SavePoseWritesTheFileAtOnce) {
+  startLocalized();
+  expectStillLocalizes();
+  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+  std::filesystem::remove(file_);
+  const std_srvs::TriggerResponse response = savePose();
+  EXPECT_TRUE(response.success) << response.message;
+  EXPECT_NE(response.message.find("saved in " + file_), std::string::npos) << response.message;
+  const std::optional<SavedPose> saved = readPoseFile(file_);
+  ASSERT_TRUE(saved);
+  EXPECT_LT(distance(saved->base_in_map, car_.baseInMap()), 0.1);
+}
+
+TEST_F(LocalizationResumeTest, SavePoseStatesWhyItCannot) {
+  startNode();
+  expectNotSaved("the status is initializing: no scan yet; a pose is saved while");
+  node_.reset();
+  parameters_.setParam("last_pose_file", (folder_.path() / "none/last_pose.yaml").string());
+  startLocalized();
+  expectStillLocalizes();
+  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+  expectNotSaved("the last pose cannot be written to");
+  node_.reset();
+  parameters_.deleteParam("last_pose_file");
+  startNode();
+  expectNotSaved("last_pose_file is not set");
 }
 
 }  // namespace

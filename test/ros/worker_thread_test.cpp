@@ -5,6 +5,7 @@
 #include <future>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace racecar_mcl {
@@ -29,6 +30,15 @@ TEST(WorkerThread, SurvivesATaskThatThrows) {
   thread.post([&done] { done.set_value(); });
   done.get_future().wait();
   EXPECT_EQ(errors, (std::vector<std::string>{"no root of this matrix", "unknown exception"}));
+}
+
+TEST(WorkerThread, RunOnWaitsAndPassesTheExceptionToItsCaller) {
+  WorkerThread thread([](const std::string& what) { ADD_FAILURE() << what; });
+  std::thread::id id;
+  runOn(&thread, [&id] { id = std::this_thread::get_id(); });
+  EXPECT_NE(id, std::thread::id());
+  EXPECT_NE(id, std::this_thread::get_id());
+  EXPECT_THROW(runOn(&thread, [] { throw std::runtime_error("no root"); }), std::runtime_error);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
       node_.advertiseService("global_localization", &LocalizationNode::onGlobalLocalization, this),
       node_.advertiseService("request_nomotion_update", &LocalizationNode::onNoMotionUpdate, this),
       node_.advertiseService("set_map", &LocalizationNode::onSetMap, this)};
-  advertiseReload();
+  advertisePrivateServices();
   reload_spinner_.start();
   status_timer_ = node_.createWallTimer(ros::WallDuration(kStatusPeriod),
                                         &LocalizationNode::onStatusTimer, this);

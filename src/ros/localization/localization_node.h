@@ -73,7 +73,8 @@ class LocalizationNode {
   bool onNoMotionUpdate(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
   bool onSetMap(nav_msgs::SetMap::Request& request, nav_msgs::SetMap::Response& response);
   bool onReloadParameters(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
-  void advertiseReload();
+  bool onSavePose(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
+  void advertisePrivateServices();
   void onStatusTimer(const ros::WallTimerEvent&);
   void onDiagnosticsTimer(const ros::WallTimerEvent&);
 
@@ -93,6 +94,8 @@ class LocalizationNode {
   void readLastPose();
   /// The pose to save; none unless localized.
   std::optional<SavedPose> lastPose();
+  /// The same; throws std::runtime_error with the reason if there is none.
+  SavedPose poseToSave();
   /// Writes it once per period, on the map builder.
   void saveLastPose();
   void writeLastPose(const SavedPose& pose);
@@ -169,7 +172,7 @@ class LocalizationNode {
   WorkerThread map_builder_{[this](const std::string& what) { reportError(what); }};
   WorkerThread worker_{[this](const std::string& what) { reportError(what); }};
 
-  // A change of parameters waits for the threads above; callbacks of sensors must not.
+  // Changes of parameters and save_pose wait for the threads above; callbacks of sensors must not.
   ros::CallbackQueue reload_queue_;
   ros::NodeHandle reload_node_;
   ros::AsyncSpinner reload_spinner_{1, &reload_queue_};

@@ -1,26 +1,14 @@
 // Part of LocalizationNode: changes parameters while it runs.
-#include <future>
-#include <utility>
-
 #include "racecar_mcl/localizer/parameter_registry.h"
 #include "ros/localization/localization_node.h"
 
 namespace racecar_mcl {
-namespace {
 
-/// Runs `task` on a thread and waits for its end; its exception is rethrown here.
-template <typename Task>
-void runOn(WorkerThread* thread, Task task) {
-  const auto packaged = std::make_shared<std::packaged_task<void()>>(std::move(task));
-  thread->post([packaged] { (*packaged)(); });
-  packaged->get_future().get();
-}
-
-}  // namespace
-
-void LocalizationNode::advertiseReload() {
+void LocalizationNode::advertisePrivateServices() {
   services_.push_back(reload_node_.advertiseService("reload_parameters",
                                                     &LocalizationNode::onReloadParameters, this));
+  services_.push_back(
+      reload_node_.advertiseService("save_pose", &LocalizationNode::onSavePose, this));
 #ifdef RACECAR_MCL_HAS_DYNAMIC_RECONFIGURE
   reconfigure_server_ = std::make_unique<ReconfigureServer>(reload_node_, parameters_, [this] {
     std_srvs::Trigger trigger;

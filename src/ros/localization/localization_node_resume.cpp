@@ -1,4 +1,7 @@
 // Part of LocalizationNode: saves the last pose, and starts from it.
+#include <cstdio>
+#include <stdexcept>
+
 #include "ros/localization/localization_node.h"
 
 namespace racecar_mcl {
@@ -70,6 +73,37 @@ void LocalizationNode::saveLastPose() {
   if (!pose) return;
   last_save_ = now;
   map_builder_.post([this, pose] { writeLastPose(*pose); });
+}
+
+bool LocalizationNode::onSavePose(std_srvs::Trigger::Request&,
+                                  std_srvs::Trigger::Response& response) {
+  try {
+    const SavedPose pose = poseToSave();
+    // On the thread of the periodic saves, as each of them writes the same draft.
+    runOn(&map_builder_, [&] { writePoseFile(parameters_.last_pose_file, pose); });
+    char text[128];
+    std::snprintf(text, sizeof(text), "%.3f m, %.3f m, %.3f rad saved in ", pose.base_in_map.x,
+                  pose.base_in_map.y, pose.base_in_map.yaw);
+    response.message = text + parameters_.last_pose_file;
+    response.success = true;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+    reportRejection(nullptr, "pose not saved", response.message);
+  }
+  return true;
+}
+
+SavedPose LocalizationNode::poseToSave() {
+  if (parameters_.last_pose_file.empty()) {
+    throw std::runtime_error("last_pose_file is not set; set it and restart the node");
+  }
+  if (const std::optional<SavedPose> pose = lastPose()) return *pose;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const LocalizationStatus& status = node_status_.status;
+  throw std::runtime_error("the status is " + toString(status.state) +
+                           (status.reason.empty() ? "" : ": " + status.reason) +
+                           "; a pose is saved while the status is localized");
 }
 
 void LocalizationNode::writeLastPose(const SavedPose& pose) {

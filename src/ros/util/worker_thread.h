@@ -5,6 +5,8 @@
 #include <deque>
 #include <exception>
 #include <functional>
+#include <future>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -72,5 +74,13 @@ class WorkerThread {
   bool stopping_ = false;
   std::thread thread_;
 };
+
+/// Runs `task` on a thread and waits for its end; its exception is rethrown here.
+template <typename Task>
+void runOn(WorkerThread* thread, Task task) {
+  const auto packaged = std::make_shared<std::packaged_task<void()>>(std::move(task));
+  thread->post([packaged] { (*packaged)(); });
+  packaged->get_future().get();
+}
 
 }  // namespace racecar_mcl
