@@ -16,7 +16,8 @@ fail() {
 # The apt packages, one list per distribution.
 wanted_packages() {
   echo build-essential cmake libeigen3-dev libgtest-dev libopencv-dev libyaml-cpp-dev nlohmann-json3-dev \
-    python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-setuptools python3-tqdm python3-yaml
+    python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-setuptools python3-tqdm python3-yaml \
+    qtbase5-dev
   # Not packaged for Ubuntu 20.04; CMake fetches it there.
   grep -q '^VERSION_CODENAME=focal' /etc/os-release || echo libcli11-dev
   if [ -d /opt/ros/noetic ]; then
@@ -28,7 +29,7 @@ wanted_packages() {
     done
   else
     echo catkin libdynamic-reconfigure-config-init-mutex-dev libnodelet-dev libnodeletlib-dev \
-      libnodeletlib-tools pluginlib-dev librosbag-dev librostest-dev libtf2-msgs-dev libtf2-ros-dev \
+      libnodeletlib-tools pluginlib-dev librosbag-dev librostest-dev librviz-dev libtf2-msgs-dev libtf2-ros-dev \
       python3-diagnostic-msgs python3-dynamic-reconfigure python3-nav-msgs python3-rosbag python3-rosgraph python3-roslaunch python3-rosnode python3-rospy python3-rosservice python3-rostest \
       python3-rostopic python3-sensor-msgs python3-std-srvs python3-tf2 \
       python3-tf2-msgs python3-visualization-msgs ros-core-dev rosbash rosout rviz tf2-tools

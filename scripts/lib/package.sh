@@ -40,6 +40,7 @@ check_package_paths() {
   paths=$(package_paths)
   for path in /usr/lib/racecar_mcl/localization_node /usr/share/racecar_mcl/launch/localize.launch \
     "/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/libracecar_mcl_localization_nodelet.so" \
+    "/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/libracecar_mcl_rviz_panel.so" \
     /usr/lib/python3/dist-packages/racecar_mcl_eval/html_report.html.j2; do
     grep -qx "$path" <<<"$paths" || fail "the package lacks $path"
   done

@@ -27,7 +27,7 @@ RUN_PACKAGES = {
 BUILD_PACKAGES = {
     "catkin": ["catkin"], "cli11": ["libcli11-dev"], "eigen": ["libeigen3-dev"],
     "nlohmann-json-dev": ["nlohmann-json3-dev"], "nodelet": ["libnodelet-dev", "libnodeletlib-dev"],
-    "pluginlib": ["pluginlib-dev"], "rosbag": ["librosbag-dev"],
+    "pluginlib": ["pluginlib-dev"], "rosbag": ["librosbag-dev"], "rviz": ["librviz-dev"],
     "tf2": ["libtf2-ros-dev"], "tf2_msgs": ["libtf2-msgs-dev"], "tf2_ros": ["libtf2-ros-dev"],
     "yaml-cpp": ["libyaml-cpp-dev"]}
 BUILD_PACKAGES.update({name: ["ros-core-dev"] for name in (
@@ -83,6 +83,12 @@ class DebianPackage(unittest.TestCase):
         self.assertLessEqual({"python3-roslaunch", "python3-rostopic", "rosbash", "rosout"}, depends)
         self.assertEqual({name for name in depends if name.endswith("-dev") or name in RECOMMENDED}, set())
 
+    def testTheLibrariesOfRvizAreRecommendedOnly(self):
+        self.assertIn("${shlibs:Recommends}", control_field("Recommends"))
+        panel = ElementTree.parse(ROOT / "rviz_plugins.xml").getroot().get("path")
+        self.assertRegex(read("debian/rules"), rf"dh_shlibdeps -X{panel} -- -dRecommends -e\S+ -dDepends")
+        self.assertIn(f"/{panel}.so\n", read("debian/rules"))
+
     def testBuildDependenciesCoverThoseOfPackageXml(self):
         packages = control_field("Build-Depends")
         for key in keys("depend", "build_depend", "buildtool_depend"):
@@ -113,7 +119,7 @@ class DebianPackage(unittest.TestCase):
     def testInstalledFilesExist(self):
         sources = list(installed_sources())
         self.assertIn("nodes/error_monitor", sources)
-        self.assertIn("nodelet_plugins.xml", sources)
+        self.assertLessEqual({"nodelet_plugins.xml", "rviz_plugins.xml"}, set(sources))
         self.assertEqual([name for name in sources if not (ROOT / name).exists()], [])
 
     def testNoDownloadWhilePackaging(self):
@@ -121,9 +127,10 @@ class DebianPackage(unittest.TestCase):
 
     def testPluginsHaveNoFolder(self):
         # Debian's pluginlib searches /usr/lib/<multiarch> for the whole path.
-        paths = [library.get("path") for library in ElementTree.parse(ROOT / "nodelet_plugins.xml").iter("library")]
+        paths = [library.get("path") for name in ("nodelet_plugins.xml", "rviz_plugins.xml")
+                 for library in ElementTree.parse(ROOT / name).iter("library")]
         self.assertEqual([path for path in paths if not path.startswith("libracecar_mcl_")], [])
-        self.assertEqual(len(paths), 3)
+        self.assertEqual(len(paths), 4)
 
 
 class Dockerfile(unittest.TestCase):

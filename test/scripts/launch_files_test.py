@@ -204,6 +204,8 @@ class LaunchFiles(unittest.TestCase):
         manager = rviz["Visualization Manager"]
         shown = {display.get("Topic") or display.get("Marker Topic")
                  for display in manager["Displays"] if display["Value"]}
+        plugins = {plugin.get("name") for plugin in ElementTree.parse(ROOT / "rviz_plugins.xml").iter("class")}
+        self.assertLessEqual(plugins, {panel["Class"] for panel in rviz["Panels"]})
         self.assertLessEqual(topics, shown)
         self.assertLessEqual(shown, published)
         sent = {tool["Topic"] for tool in manager["Tools"] if "Topic" in tool}
