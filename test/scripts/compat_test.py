@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Parameter files of other localizers: compat of localize.launch, and translate_parameters."""
+import re
 import subprocess
 import sys
 
@@ -7,6 +8,8 @@ import roslib.packages
 import rosunit
 import yaml
 from master_test_case import MAP, ROOT, MasterTest
+
+from racecar_mcl_eval.ros_graph import end
 
 FOREIGN = ROOT / "test/data/foreign"
 
@@ -49,6 +52,51 @@ class Compat(MasterTest):
                 path.write_text(result.stdout, encoding="utf-8")
                 text, _ = self.launch(file, "localize.launch", ["map of"], map=MAP, config=path)
                 self.assertNotIn("not localizing", text)
+
+    def testMitsLaunchArgumentsWorkUnchanged(self):
+        text, names = self.launch("arguments", "mit_pf.launch",
+                                  ["map of", "viz: if there are subscribers", "/scan -> /lidar", "/odom -> /wheels"],
+                                  map=MAP, scan_topic="/lidar", odometry_topic="/wheels", angle_step=27,
+                                  max_particles=1500, viz=1, range_method="rm")
+        self.assertNotIn("not localizing", text)
+        self.assertNotIn("fine_timing", text)
+        self.assertLessEqual({f"localization/{name}" for name in ("max_particles", "angle_step", "z_hit")}, names)
+
+    def testACarsLaunchFileMayIncludeMits(self):
+        path = self.folder / "car.launch"
+        path.write_text("""<launch>
+            <include file="$(find racecar_mcl)/launch/simulate.launch"/>
+            <include file="$(find racecar_mcl)/launch/compat/mit_pf.launch">
+              <arg name="scan_topic" value="/scan"/>
+              <arg name="odometry_topic" value="/vesc/odom"/>
+              <arg name="angle_step" value="27"/>
+              <arg name="max_particles" value="1500"/>
+              <arg name="tf_mode" value="map_to_odom"/>
+            </include>
+          </launch>""", encoding="utf-8")
+        self.addCleanup(end, self.start("car", "roslaunch", str(path), "unrelated:=1"))
+        wanted = {"status": "localized", "particles": "1500", "beams": "40"}
+        self.waitFor(lambda: wanted.items() <= self.diagnostics().items(), f"the localizer does not report {wanted}")
+
+    def diagnostics(self):
+        """Keys and values of a message on /diagnostics; empty if none arrives."""
+        try:
+            result = subprocess.run(["rostopic", "echo", "-n1", "/diagnostics"], env=self.environment, check=False,
+                                    timeout=10, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        except subprocess.TimeoutExpired:
+            return {}
+        return dict(re.findall(r'key: "(.*)"\s+value: "(.*)"', result.stdout.decode()))
+
+    def testUnknownArgumentsAreNamed(self):
+        mine, localize = "mit_pf.launch has no argument", "localize.launch has no argument"
+        for name, file, arguments, expected in (
+                ("typo", "mit_pf.launch", {"angle_stp": 9}, f"{mine} 'angle_stp'; did you mean 'angle_step'?"),
+                ("unknown", "mit_pf.launch", {"torque": 9}, f"{mine} 'torque'; --ros-args lists its arguments"),
+                ("other", "localize.launch", {"angle_step": 9, "compat": "mit_pf"},
+                 f"{localize} 'angle_step'; it is one of mit_pf.launch")):
+            with self.subTest(name):
+                text, _ = self.launch(name, file, [expected, "RLException"], map=MAP, **arguments)
+                self.assertEqual(text.count("has no argument"), 1)
 
     def testTranslationNamesWhatIsWrong(self):
         path = self.folder / "wrong.yaml"

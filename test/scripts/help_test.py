@@ -13,7 +13,7 @@ import roslib.packages
 import rosunit
 
 ROOT = Path(__file__).resolve().parents[2]
-LAUNCH = sorted((ROOT / "launch").glob("*.launch"))
+LAUNCH = sorted((ROOT / "launch").rglob("*.launch"))
 # Nobody listens there.
 ENVIRONMENT = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:1")
 

@@ -37,6 +37,11 @@ def load(name, **arguments):
     return config
 
 
+def arguments(name):
+    return {argument.get("name") for argument in ElementTree.parse(LAUNCH / name).findall("arg")
+            if argument.get("value") is None}
+
+
 def nodes(config):
     return {node.name: node for node in config.nodes}
 
@@ -62,16 +67,17 @@ class LaunchFiles(unittest.TestCase):
         yield load("replay_bag.launch", bag=self.bag, tf_mode="map_to_base")
         yield load("demo.launch", bag=self.bag, map=MAP, record=self.folder / "out.bag")
         yield load("record.launch")
+        yield load("compat/mit_pf.launch", map=MAP, viz="1", rviz="true")
         yield load("simulate.launch")
         yield load("simulate.launch", localize="true", rviz="true", map="track", odom_tf="false")
 
     def testEveryFileIsLoadedHere(self):
         here = set(re.findall(r"[a-z_]+\.launch", Path(__file__).read_text(encoding="utf-8")))
-        for file in LAUNCH.glob("*.launch"):
+        for file in LAUNCH.rglob("*.launch"):
             self.assertIn(file.name, here)
 
     def testEveryArgumentIsDocumented(self):
-        for file in LAUNCH.glob("*.launch"):
+        for file in LAUNCH.rglob("*.launch"):
             for argument in ElementTree.parse(file).getroot().findall("arg"):
                 if argument.get("value") is None:
                     self.assertTrue(argument.get("doc"), f"{file.name}: {argument.get('name')}")
@@ -128,12 +134,23 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(parameter(config, "/localization/initial_pose"), "1 2 3")
 
     def testReplayHasTheArgumentsOfLocalizeExceptThoseOfACar(self):
-        def arguments(name):
-            return {argument.get("name") for argument in ElementTree.parse(LAUNCH / name).findall("arg")
-                    if argument.get("value") is None}
         self.assertLessEqual(arguments("localize.launch") - {"manager", "last_pose_file", "respawn"}, arguments("replay_bag.launch"))
         config = load("replay_bag.launch", bag=self.bag, map=MAP, motion_from="tf")
         self.assertEqual(parameter(config, "/localization/motion_from"), "tf")
+
+    def testMitsLaunchHasEveryParameterOfMitAndTheArgumentsOfLocalize(self):
+        table = (ROOT / "src/core/localizer/foreign_parameter_table.cpp").read_text(encoding="utf-8")
+        foreign = set(re.findall(r'\{"mit_pf", "(\w+)"', table))
+        self.assertIn("max_particles", foreign)
+        self.assertEqual(arguments("compat/mit_pf.launch"),
+                         foreign | arguments("localize.launch") - {"odom_topic", "compat"})
+        given = {name: str(number) for number, name in enumerate(sorted(foreign - {"scan_topic", "odometry_topic"}))}
+        config = load("compat/mit_pf.launch", scan_topic="/lidar", odometry_topic="/wheels", **given)
+        for name, text in given.items():
+            self.assertEqual(str(parameter(config, f"/localization/{name}")), text)
+        self.assertEqual(parameter(config, "/localization/compat"), "mit_pf")
+        remaps = dict(nodes(config)["localization"].remap_args)
+        self.assertEqual((remaps["scan"], remaps["odom"]), ("/lidar", "/wheels"))
 
     def testReplayChoosesTheTfModeByTheBag(self):
         self.assertTrue(parameter(load("replay_bag.launch", bag=self.bag), "/use_sim_time"))
