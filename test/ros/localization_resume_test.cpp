@@ -75,6 +75,22 @@ TEST_F(LocalizationResumeTest, ContinuesWithTheSavedCalibration) {
   })) << listener_.diagnostic("distance scale");
 }
 
+TEST_F(LocalizationResumeTest, ADamagedCalibrationIsNamedAndThePoseIsUsed) {
+  startLocalized();
+  expectStillLocalizes();
+  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+  node_.reset();
+  std::stringstream saved;
+  saved << std::ifstream(file_).rdbuf();
+  const std::string text = saved.str();
+  std::ofstream(file_) << text.substr(0, text.find("  distance_scale:")) << "  distance_scale: x\n";
+  restartNode();
+  EXPECT_EQ(listener_.logged("the calibration cannot be read from " + file_), 1);
+  EXPECT_TRUE(listener_.waitFor([&] { return drive(0.1) > 0; }));
+  EXPECT_EQ(listener_.logged("continuing from the last pose in " + file_), 1);
+  expectStillLocalizes();
+}
+
 TEST_F(LocalizationResumeTest, AStartPoseHasPriorityUnlessTheNodeIsRespawned) {
   startLocalized();
   expectStillLocalizes();

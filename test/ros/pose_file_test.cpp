@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "support/program.h"
 #include "support/temporary_directory.h"
 
 namespace racecar_mcl {
@@ -45,8 +46,7 @@ TEST(PoseFile, NamesTheFileThatIsWrong) {
   const TemporaryDirectory folder;
   const std::string path = (folder.path() / "pose.yaml").string();
   for (const char* content : {"", "map: one\n", "map: one\nbase_in_map: [1, 2]\n", "{[", "\x01\x02",
-                              "map: one\nbase_in_map: [1, .nan, 2]\n",
-                              "map: one\nbase_in_map: [1, 2, 3]\ncalibration: {turn_scale: 1}\n"}) {
+                              "map: one\nbase_in_map: [1, .nan, 2]\n"}) {
     std::ofstream(path) << content;
     try {
       readPoseFile(path);
@@ -57,6 +57,25 @@ TEST(PoseFile, NamesTheFileThatIsWrong) {
   }
   EXPECT_THROW(writePoseFile((folder.path() / "none/pose.yaml").string(), savedPose()),
                std::runtime_error);
+}
+
+TEST(PoseFile, KeepsThePoseIfTheCalibrationIsDamaged) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder.path() / "pose.yaml").string();
+  writePoseFile(path, savedPose());
+  const std::string whole = readWhole(path);
+  EXPECT_EQ(readPoseFile(path)->calibration_problem, "");
+  const std::string begin = whole.substr(0, whole.find("calibration:"));
+  for (const char* damaged : {"calibration: {turn_scale: 1}\n", "calibration: [1, 2]\n",
+                              "calibration: none\n", "calibration:\n  distance_scale: .nan\n"}) {
+    std::ofstream(path) << begin << damaged;
+    const std::optional<SavedPose> read = readPoseFile(path);
+    ASSERT_TRUE(read) << damaged;
+    EXPECT_EQ(read->base_in_map.x, 1.0) << damaged;
+    EXPECT_EQ(read->odometry->stamp, 100.0) << damaged;
+    EXPECT_FALSE(read->sensors) << damaged;
+    EXPECT_NE(read->calibration_problem, "") << damaged;
+  }
 }
 
 TEST(PoseFile, NeedsNoCalibration) {

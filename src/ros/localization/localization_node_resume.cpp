@@ -24,6 +24,11 @@ void LocalizationNode::readLastPose() {
   } catch (const std::exception& error) {
     reportRejection(nullptr, "last pose not used", error.what());
   }
+  if (saved_pose_ && !saved_pose_->calibration_problem.empty()) {
+    reportRejection(nullptr, "last calibration not used",
+                    "the calibration cannot be read from " + parameters_.last_pose_file + ": " +
+                        saved_pose_->calibration_problem + "; the pose is used");
+  }
 }
 
 void LocalizationNode::resume() {

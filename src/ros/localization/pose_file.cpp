@@ -64,6 +64,14 @@ SensorCalibration readCalibration(const YAML::Node& node) {
   return sensors;
 }
 
+void readCalibration(const YAML::Node& node, SavedPose* pose) {
+  try {
+    pose->sensors = readCalibration(node);
+  } catch (const std::exception& error) {
+    pose->calibration_problem = error.what();
+  }
+}
+
 }  // namespace
 
 std::string mapIdentity(const GridGeometry& geometry) {
@@ -104,7 +112,7 @@ std::optional<SavedPose> readPoseFile(const std::string& path) {
     if (file["base_in_odom"]) {
       pose.odometry = {file["odometry_stamp"].as<double>(), readPose(file["base_in_odom"])};
     }
-    if (file["calibration"]) pose.sensors = readCalibration(file["calibration"]);
+    if (file["calibration"]) readCalibration(file["calibration"], &pose);
     return pose;
   } catch (const std::exception& error) {
     throw std::runtime_error("the last pose cannot be read from " + path + ": " + error.what());

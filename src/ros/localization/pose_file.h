@@ -21,6 +21,7 @@ struct SavedPose {
   Pose2 base_in_map;
   std::optional<OdometryPose> odometry;  ///< at that pose
   std::optional<SensorCalibration> sensors;
+  std::string calibration_problem = {};  ///< why the file's calibration cannot be read; else empty
 };
 
 /// Size, resolution and origin, to recognize the map of a saved pose.
@@ -30,8 +31,8 @@ std::string mapIdentity(const GridGeometry& geometry);
 /// std::runtime_error with the path if it cannot be written.
 void writePoseFile(const std::string& path, const SavedPose& pose);
 
-/// None if there is no file. Throws std::runtime_error with path and reason if it has other
-/// content.
+/// None if there is no file. A calibration that cannot be read is left out, with its problem.
+/// Throws std::runtime_error with path and reason if the pose cannot be read.
 std::optional<SavedPose> readPoseFile(const std::string& path);
 
 /// The start pose from a saved one: moved by the odometry since, if its pose has continued, with a
