@@ -1,16 +1,19 @@
 #!/usr/bin/python3
 """Plans and measures of scripts/experiments, without running programs."""
+import contextlib
+import io
 import math
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import cv2
 import numpy
 import rosunit
 
-from racecar_mcl_eval import EvaluationError, experiments, grid_map, trajectory
+from racecar_mcl_eval import EvaluationError, experiments, grid_map, programs, trajectory
 from racecar_mcl_eval.experiments import (fault_injection, filter_steps, initialization,
                                           sensor_imperfections)
 from racecar_mcl_eval.experiments.parameter_sweeps import parameter_value
@@ -50,6 +53,22 @@ class Plans(unittest.TestCase):
             "rosrun racecar_mcl replay --bag OUT/drives/corridor-01.bag --map maps/corridor.yaml "
             "--truth OUT/drives/corridor-01.tum --config config/report.yaml --initial-pose-from-truth "
             "--seed 7 --set sigma_hit:=2 --out OUT/runs/run-001"])
+
+    def testStagesAreNamedInAFileAsTheyBegin(self):
+        with tempfile.TemporaryDirectory() as folder:
+            runner = Runner(Path(folder), jobs=1)
+            drive = runner.drive(CORRIDOR, "--seed", 1)
+            runner.replay(drive, "report")
+            runner.replay(drive, "default")
+            printed = []
+
+            def run(program, words):
+                printed.append((program, log.getvalue().splitlines()))
+            with contextlib.redirect_stderr(io.StringIO()) as log, mock.patch.object(programs, "run", run):
+                runner.execute()
+        driving, localizing = "driving: 1 of 3 runs", "localizing: 2 of 3 runs"
+        self.assertEqual(printed, [("simulate_bag", [driving]), ("replay", [driving, localizing]),
+                                   ("replay", [driving, localizing])])
 
     def testEveryExperimentPlansASeededDrive(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -5,6 +5,7 @@ with one progress bar.
 """
 import concurrent.futures
 import shlex
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -116,6 +117,9 @@ class Runner:
             for stage, tasks, jobs in (("driving", drives, self.jobs), ("timing", sequential, 1),
                                        ("localizing", parallel, self.jobs)):
                 bar.set_description(stage)
+                if bar.disable and tasks:
+                    # Without a terminal, as in a log file.
+                    print(f"{stage}: {len(tasks)} of {total} runs", file=sys.stderr, flush=True)
                 self._execute(tasks, jobs, bar)
 
     @staticmethod
