@@ -50,6 +50,7 @@ def parse(arguments):
                         help="initial pose; default: that of the ground truth, else global localization")
     parser.add_argument("--scan-topic", default="/scan")
     parser.add_argument("--odom-topic", default="/vesc/odom")
+    parser.add_argument("--imu-topic", default="/imu", help="sensor_msgs/Imu, optional: its gyro is used")
     parser.add_argument("--config", type=Path, default=ROOT / "config/default.yaml")
     parser.add_argument("--duration", type=float, default=60.0, help="length of the simulated drive, s")
     parser.add_argument("--speed", type=float, default=3.0, help="speed of the simulated drive, m/s")
@@ -95,13 +96,19 @@ def start_arguments(options, truth):
     return ["--initial-pose", pose], {"initial_pose": pose}
 
 
+def gyro_arguments(path, topic):
+    """The options of replay for the gyro that the ROS graph uses, if the bag has one."""
+    return ["--imu-topic", topic] if bag.has_topic(path, topic, "sensor_msgs/Imu") else []
+
+
 def run_graph(options, recording, map_yaml, start, duration):
     """Runs the graph over a bag. Returns the Run and the bag with its output."""
     output = options.out / "estimate.bag"
     output.unlink(missing_ok=True)
     show = bool(os.environ.get("DISPLAY")) and not options.headless
     arguments = {"bag": recording, "map": map_yaml, "record": output, "scan_topic": options.scan_topic,
-                 "odom_topic": options.odom_topic, "config": options.config.resolve(),
+                 "odom_topic": options.odom_topic, "imu_topic": options.imu_topic,
+                 "config": options.config.resolve(),
                  "rviz": str(show).lower(), **start}
     print(f"running the ROS graph, {duration:.0f} s" + (" with rviz" if show else ""))
     with RosGraph("racecar_mcl", "demo.launch", arguments, options.out) as graph:
@@ -133,6 +140,13 @@ def error_rows(runs):
     for name, take in (("mean", np.mean), ("max", np.max)):
         rows.append([f"heading error, {name}"] +
                     [f"{math.degrees(take(np.abs(run.errors.heading))):.2f} deg" for run in runs])
+    # A start pose that is corrected by the first scans often sets the maximum, of one run only.
+    start = min(run.start for run in runs)
+    for name, errors_of in (("position", lambda errors: errors.position),
+                            ("heading", lambda errors: np.abs(errors.heading))):
+        largest = [int(np.argmax(errors_of(run.errors))) for run in runs]
+        rows.append([f"{name} error, time of max"] +
+                    [f"{run.errors.seconds(start)[index]:.1f} s" for run, index in zip(runs, largest)])
     return rows
 
 
@@ -215,7 +229,8 @@ def demo(options):
     print("replaying the bag without ROS")
     programs.run("replay", ["--bag", recording, "--map", map_yaml, "--out", options.out / "replay",
                             "--config", options.config, "--scan-topic", options.scan_topic,
-                            "--odom-topic", options.odom_topic, *replay_start])
+                            "--odom-topic", options.odom_topic,
+                            *gyro_arguments(recording, options.imu_topic), *replay_start])
     offline = load_folder(options.out / "replay")
     runs = [live, offline]
     if truth is not None:

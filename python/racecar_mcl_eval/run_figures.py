@@ -17,6 +17,8 @@ from .trajectory import spans
 TRUTH_UNDER = "#b3b9c1"
 # Upper end of the error colour scale, m.
 MAX_COLOUR_ERROR = 1.0
+# Errors of this long, at the start, do not set the scale of errors over time: the start pose is being corrected.
+START_SECONDS = 1.0
 ERROR_COLOURS = "rainbow"
 _DEGREES_PER_UNIT = (1.0, 1.0, 180.0 / np.pi)
 _MATCH_COLOURS = ListedColormap([GOOD, BAD])
@@ -124,21 +126,41 @@ def _without_wraps(degrees):
     return shown
 
 
+def _limit_after_start(axes, runs, errors, unit, signed=True):
+    """Scales an axis to the errors after START_SECONDS and names the larger ones before. `errors`: one array per
+    run, of its run.errors.stamps."""
+    largest, limit = 0.0, 0.0
+    for run, values in zip(runs, errors):
+        later = run.errors.seconds(run.errors.stamps[0]) > START_SECONDS
+        size = np.abs(np.nan_to_num(values))
+        largest = max(largest, size.max())
+        limit = max(limit, 1.1 * (size[later] if later.any() else size).max())
+    if largest <= 1.5 * limit:
+        return
+    axes.set_ylim(-limit if signed else 0.0, limit)
+    axes.text(0.005, 0.95, f"up to {largest:.2g} {unit} in the first {START_SECONDS:g} s", ha="left", va="top",
+              transform=axes.transAxes, fontsize=9)
+
+
 def errors_over_time(runs, lost_error):
     """Position, heading and cross-track error of each run."""
     figure, axes = new_figure(3, 1, height=7.2, sharex=True)
     position, heading, cross = axes[:, 0]
+    headings = [_without_wraps(np.degrees(run.errors.heading)) for run in runs]
     for index, run in enumerate(runs):
         seconds = run.errors.seconds(run.start)
         style = {"color": colour(index), "linewidth": 0.9, "label": run.name}
         position.plot(seconds, run.errors.position, **style)
-        heading.plot(seconds, _without_wraps(np.degrees(run.errors.heading)), **style)
+        heading.plot(seconds, headings[index], **style)
         cross.plot(seconds, run.errors.cross_track, **style)
+    _limit_after_start(heading, runs, headings, "deg")
+    _limit_after_start(cross, runs, [run.errors.cross_track for run in runs], "m")
     if _is_wide(runs):
         position.set_yscale("log")
         position.set_ylim(bottom=_min_shown(runs))
     else:
         position.set_ylim(bottom=0.0)
+        _limit_after_start(position, runs, [run.errors.position for run in runs], "m", signed=False)
     if max(run.errors.position.max() for run in runs) > lost_error:
         position.axhline(lost_error, color=BAD, linestyle="--", linewidth=1.0)
         position.text(0.995, lost_error, f"lost above {lost_error:g} m", color=BAD, ha="right",

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The drive on the map of a real building in scripts/demo, on a map of the test."""
+"""Parts of scripts/demo: its summary, figure and arguments, and the drive on the map of a real building, on a map of
+the test."""
 import contextlib
 import io
 import os
@@ -10,9 +11,11 @@ from pathlib import Path
 from unittest import mock
 
 import numpy
+import rosbag
 import rosunit
+from sensor_msgs.msg import Imu, LaserScan
 
-from racecar_mcl_eval import EvaluationError, demo, programs, trajectory
+from racecar_mcl_eval import EvaluationError, demo, programs, run_figures, trajectory
 from racecar_mcl_eval.columns import INITIALIZING, STATUS
 from racecar_mcl_eval.grid_map import FREE, OCCUPIED, GridMap, write_map
 from racecar_mcl_eval.run import Run, Updates
@@ -85,6 +88,46 @@ class RealBuilding(unittest.TestCase):
                          "localized after 0.2 s; position error from then on: mean 20.0 cm, "
                          "max 30.0 cm")
         self.assertEqual(since_localized(*[INITIALIZING] * 4), "never localized")
+
+
+class Start(unittest.TestCase):
+    """Two runs over ten seconds; the heading of the first is corrected in its first instant."""
+
+    def setUp(self):
+        stamps = numpy.arange(101) * 10**8
+        truth = trajectory.Trajectory(stamps, numpy.zeros((101, 3)))
+        self.runs = []
+        for first, middle in ((0.5, 0.01), (0.0, 0.02)):
+            poses = numpy.zeros((101, 3))
+            poses[:, 0] = 0.01
+            poses[0, 2], poses[50, 2] = first, middle
+            run = Run("run", Path("run"), trajectory.Trajectory(stamps, poses), None)
+            run.set_truth(truth, 0.5)
+            self.runs.append(run)
+
+    def testTheTimesOfTheLargestErrorsAreInTheSummary(self):
+        rows = {row[0]: row[1:] for row in demo.error_rows(self.runs)}
+        self.assertEqual(rows["heading error, max"], ["28.65 deg", "1.15 deg"])
+        self.assertEqual(rows["heading error, time of max"], ["0.0 s", "5.0 s"])
+
+    def testDoesNotSetTheScaleOfTheErrors(self):
+        figure = run_figures.errors_over_time(self.runs, 0.5)
+        self.addCleanup(run_figures.plt.close, figure)
+        heading = next(axes for axes in figure.axes if axes.get_ylabel().startswith("heading"))
+        self.assertAlmostEqual(heading.get_ylim()[1], 1.1 * numpy.degrees(0.02))
+        self.assertIn("up to 29 deg in the first 1 s", [text.get_text() for text in heading.texts])
+
+
+class Gyro(unittest.TestCase):
+    def testReplayUsesTheGyroOfTheBag(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "drive.bag"
+            with rosbag.Bag(str(path), "w") as bag:
+                bag.write("/imu", Imu())
+                bag.write("/scan", LaserScan())
+            self.assertEqual(demo.gyro_arguments(path, "/imu"), ["--imu-topic", "/imu"])
+            self.assertEqual(demo.gyro_arguments(path, "/scan"), [])
+            self.assertEqual(demo.gyro_arguments(path, "/none"), [])
 
 
 if __name__ == "__main__":
