@@ -4,6 +4,7 @@
 #include <array>
 
 #include "racecar_mcl/filter/clustering.h"
+#include "racecar_mcl/filter/point_covariance.h"
 #include "racecar_mcl/filter/resampling.h"
 #include "simd/vector_math.h"
 
@@ -96,10 +97,7 @@ class WeightedSums {
 }  // namespace
 
 double positionSigma(const PoseEstimate& estimate) {
-  const Eigen::Matrix3d& c = estimate.covariance;
-  // The larger eigenvalue of the position's covariance.
-  const double mean = 0.5 * (c(0, 0) + c(1, 1));
-  return std::sqrt(std::max(0.0, mean + std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1))));
+  return majorSigma(estimate.covariance.topLeftCorner<2, 2>());
 }
 
 PoseEstimate weightedMean(const PoseBatch& poses, const double* weights) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "racecar_mcl/common/validation.h"
+#include "racecar_mcl/filter/point_covariance.h"
 
 namespace racecar_mcl {
 namespace {
@@ -28,22 +29,6 @@ Eigen::Matrix2Xd endPointsFrom(const Pose2& base_in_map, const Scan& beams) {
   ends.row(0) = (lidar.x + ranges * angles.cos()).transpose();
   ends.row(1) = (lidar.y + ranges * angles.sin()).transpose();
   return ends;
-}
-
-/// m^2, covariance due to the pose of a point with this offset (m) from the car, in the map's axes:
-/// J C J^T with J = (1 0 -y; 0 1 x).
-Eigen::Matrix2d pointCovariance(const Eigen::Matrix3d& pose_covariance,
-                                const Eigen::Vector2d& offset) {
-  Eigen::Matrix<double, 2, 3> jacobian;
-  jacobian << 1.0, 0.0, -offset.y(), 0.0, 1.0, offset.x();
-  return jacobian * pose_covariance * jacobian.transpose();
-}
-
-/// The standard deviation along the major axis.
-double majorSigma(const Eigen::Matrix2d& covariance) {
-  const double mean = 0.5 * covariance.trace();
-  const double half_difference = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  return std::sqrt(std::max(0.0, mean + std::hypot(half_difference, covariance(0, 1))));
 }
 
 /// Single linkage: indices of the columns of `points`, cluster by cluster.
