@@ -1,4 +1,5 @@
-// Checks a map: prints and draws its statistics and the surfaces that a lidar can see.
+// Checks a map: prints and draws its statistics and the surfaces that a lidar can see, or, with a
+// recorded drive, what changed.
 #include <iomanip>
 #include <iostream>
 #include <opencv2/imgproc.hpp>
@@ -8,21 +9,41 @@
 #include "cli.h"
 #include "file_options.h"
 #include "image_file.h"
+#include "map_change_picture.h"
+#include "map_changes/map_change_detector.h"
+#include "map_changes/map_change_report.h"
+#include "offline/output_files.h"
 #include "racecar_mcl/common/errors.h"
 #include "racecar_mcl/map/map_io.h"
 #include "racecar_mcl/map/map_summary.h"
+#include "racecar_mcl/map/map_writer.h"
+#include "replay_run.h"
 
 namespace racecar_mcl {
 namespace {
 
-struct Options {
-  std::string map;
+struct Options : ReplayOptions {
   std::string out;
+  std::string output;
 };
 
 void addOptions(Options* o, CLI::App* app) {
-  app->add_option("map", o->map, "map_server YAML")->required()->type_name("MAP.yaml");
-  app->add_option("--out", o->out, "draw the visible surfaces into this image, such as map.png");
+  app->add_option("map,--map", o->map, "map_server YAML")->required()->type_name("MAP.yaml");
+  CLI::Option* out = app->add_option("--out", o->out,
+                                     "draw the visible surfaces into this image, such as map.png");
+  CLI::Option* bag = app->add_option("--bag", o->bags,
+                                     "recorded drive; prints what it saw changed; may be repeated");
+  bag->excludes(out);
+  // One value per --bag: a map may follow.
+  bag->allow_extra_args(false);
+  const std::size_t common = app->get_options().size();
+  app->add_option(
+         "--output", o->output,
+         "output folder for the proposed map.yaml and map.pgm, changes.png and changes.csv")
+      ->type_name("FOLDER");
+  addReplayOptions(o, app);
+  const std::vector<CLI::Option*> options = app->get_options();
+  for (std::size_t i = common; i < options.size(); ++i) options[i]->needs(bag);
 }
 
 void print(const MapSummary& s, std::ostream& out) {
@@ -89,7 +110,7 @@ cv::Mat drawMap(const OccupancyGrid& grid, const Surfaces& surfaces) {
                                         picture.cols));
 }
 
-void run(const Options& o) {
+void checkMap(const Options& o) {
   requireSeparateFiles({o.out}, mapFiles(o.map));
   const OccupancyGrid grid = loadMap(o.map);
   const Surfaces surfaces = findSurfaces(grid);
@@ -100,6 +121,58 @@ void run(const Options& o) {
   if (!summary.usable()) throw MapError(o.map + ": the localizer cannot use this map");
 }
 
+class ChangeObserver : public ReplayObserver {
+ public:
+  explicit ChangeObserver(const OccupancyGrid& grid) : detector_(grid) {}
+
+  void onScan(const Scan& scan, const ScanRow& row, const Localizer& localizer) override {
+    detector_.add(localizer, scan, row.result);
+  }
+  void onMessage(const Localizer& /*localizer*/) override {}
+
+  MapChangeDetector& detector() { return detector_; }
+
+ private:
+  MapChangeDetector detector_;
+};
+
+constexpr char kYaml[] = "map.yaml";
+constexpr char kPgm[] = "map.pgm";
+constexpr char kPicture[] = "changes.png";
+constexpr char kTable[] = "changes.csv";
+
+void validateDrive(const Options& o) {
+  std::vector<std::string> inputs = mapFiles(o.map);
+  inputs.insert(inputs.end(), o.bags.begin(), o.bags.end());
+  inputs.insert(inputs.end(), {o.truth, o.parameters.config});
+  requireSeparateFiles(filesIn(o.output, {kYaml, kPgm, kPicture, kTable}), inputs);
+  validateSpan(o.span);
+}
+
+void findMapChanges(const Options& o) {
+  validateDrive(o);
+  const PreparedReplay prepared = prepareReplay(o, "map_check");
+  const OccupancyGrid& grid = prepared.localizer->map()->grid;
+  ChangeObserver observer(grid);
+  const ReplayRecord record = runReplay(o, "map_check", prepared, {&observer});
+  const MapChanges changes = observer.detector().finish();
+  const std::uint32_t views = observer.detector().views();
+  if (views < MapChangeParameters().min_views) {
+    throw BagError(std::to_string(views) + " of " + std::to_string(record.scans_seen) +
+                   " scans were taken by a moving car with the status localized, too few to find "
+                   "changes; no map is proposed");
+  }
+  std::cout << views << " of " << record.scans_seen << " scans compared with the map\n"
+            << changesText(changes);
+  if (o.output.empty()) return;
+  writeFolder(o.output, {{kPgm, toTrinaryPgm(applyChanges(grid, changes))},
+                         {kYaml, toTrinaryYaml(grid.geometry(), kPgm)},
+                         {kPicture, toPng(drawChanges(grid, changes))},
+                         {kTable, changesCsv(changes)}});
+}
+
+void run(const Options& o) { o.bags.empty() ? checkMap(o) : findMapChanges(o); }
+
 }  // namespace
 }  // namespace racecar_mcl
 
@@ -107,6 +180,10 @@ int main(int argc, char** argv) {
   return racecar_mcl::runProgram(argc, argv, "map_check",
                                  "Checks a map: prints statistics and warnings; with --out draws "
                                  "the surfaces that a lidar can "
-                                 "see. Exit code 1 if the localizer cannot use the map.",
+                                 "see. Exit code 1 if the localizer cannot use the map. With --bag "
+                                 "localizes over the recorded "
+                                 "drive and prints the cells that changed since the map was made; "
+                                 "with --output proposes a map. "
+                                 "Exit code 1 if the car was not localized.",
                                  racecar_mcl::addOptions, racecar_mcl::run);
 }

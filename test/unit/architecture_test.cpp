@@ -79,8 +79,8 @@ TEST_P(RosFree, KnowsNoRos) { EXPECT_EQ(startingWith(kRos, includesUnder(GetPara
 
 INSTANTIATE_TEST_SUITE_P(Folders, RosFree,
                          testing::Values("include/racecar_mcl", "src/core", "src/map_io", "src/sim",
-                                         "src/evaluation", "src/calibration", "test/unit",
-                                         "test/contract"));
+                                         "src/evaluation", "src/calibration", "src/map_changes",
+                                         "test/unit", "test/contract"));
 
 TEST(RosCode, IsWhatTheTestWouldFind) {
   EXPECT_FALSE(startingWith(kRos, includesUnder("src/ros")).empty());

@@ -1,0 +1,182 @@
+// Simulated drives on maps that lack or outlived something, with a MapChangeDetector.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "map_changes/map_change_detector.h"
+#include "offline/fault_injection.h"
+#include "racecar_mcl/map/distance_field.h"
+#include "sim/map_faults.h"
+
+namespace racecar_mcl {
+
+struct MapChangeDrive {
+  std::string map;                 ///< path of the YAML; the drive starts at the map's start pose
+  int boxes = 0;                   ///< static obstacles that the map lacks
+  double erased_walls = 0.0;       ///< fraction of the map's walls that the world lacks
+  Fault traffic = Fault::kNone;    ///< kCrowd or kOpponent
+  std::string map_fault = "none";  ///< of the localizer's map, see sim::mapFaults
+  double range_noise = 0.01;       ///< m, standard deviation
+  double speed = 3.0;              ///< m/s
+  double seconds = 25.0;
+  std::uint64_t seed = 1;
+};
+
+/// The scene of a drive: the localizer's map, and the world with what changed.
+struct ChangedCourse {
+  Course course;
+  Pose2 start;
+  std::vector<sim::Obstacle> boxes;
+  OccupancyGrid truth;  ///< the localizer's map with the changes
+};
+
+/// A changed cell is found if one of its kind is reported within this distance (m); others are
+/// false.
+constexpr double kMaxChangeError = 0.1;
+/// The scans at the true pose that make a changed cell visible.
+constexpr std::uint32_t kVisibleFrom = 40;
+
+struct MapChangeScore {
+  int visible_new = 0, found_new = 0;        ///< cells
+  int visible_gone = 0, found_gone = 0;      ///< cells
+  int regions = 0, false_regions = 0;        ///< a false region has no cell at a changed one
+  double mean_error = 0.0, max_error = 0.0;  ///< m, of the pose
+};
+
+/// Throws as loadCourse and makeWrongMap.
+inline ChangedCourse changedCourse(const MapChangeDrive& settings) {
+  const LocalizerParameters parameters;
+  Course course = loadCourse(settings.map, parameters);
+  Pose2 start;
+  sim::loadStartPose(settings.map, start);
+  Random random(settings.seed);
+  sim::WrongMap wrong = sim::makeWrongMap(sim::mapFaults().at(settings.map_fault), course.map->grid,
+                                          *course.world, start, random);
+  OccupancyGrid truth = course.map->grid;
+  if (settings.erased_walls > 0.0) {
+    truth = sim::eraseWalls(truth, settings.erased_walls, random);
+    course.world = std::make_shared<const sim::World>(truth);
+  }
+  std::vector<sim::Obstacle> boxes = wrong.boxes;
+  if (settings.boxes > 0) {
+    const std::vector<sim::Obstacle> more =
+        sim::scatterObstacles(*course.world, settings.boxes, 0, start, random, boxes);
+    boxes.insert(boxes.end(), more.begin(), more.end());
+  }
+  truth = sim::withObstacles(truth, boxes, 0.0);
+  course.map = makeLocalizationMap(std::move(wrong.map), parameters);
+  return {std::move(course), start, std::move(boxes), std::move(truth)};
+}
+
+/// Runs a MapChangeDetector on a drive. `score`: receives the errors of the pose.
+class MapChangeEvaluation {
+ public:
+  MapChangeEvaluation(const MapChangeDrive& settings, const ChangedCourse& scene)
+      : scene_(scene), detector_(scene.course.map->grid), seen_(scene.course.map->grid) {
+    sim::SimulatorParameters simulator;
+    simulator.lidar.range_noise = settings.range_noise;
+    SimulatedDrive drive(scene.course, {}, simulator, scene.start, settings.speed, settings.seed);
+    drive.localizer().initialize(startAt(scene.start));
+    Random random(settings.seed);
+    placeObstacles(settings.traffic, scene.course, scene.boxes, settings.seed, random, &drive);
+    Scan scan;
+    drive.on_scan = [&](Scan* next) {
+      scan = *next;
+      return true;
+    };
+    int scans = 0;
+    drive.drive(settings.seconds, [&](const Observation& observation) {
+      if (!hasEstimate(observation.result.outcome)) return;
+      detector_.add(drive.localizer(), scan, observation.result);
+      seen_.add(trueView(drive.localizer(), scan, observation.base_in_map));
+      score_.mean_error += observation.error;
+      score_.max_error = std::max(score_.max_error, observation.error);
+      ++scans;
+    });
+    score_.mean_error /= std::max(1, scans);
+    changes_ = detector_.finish();
+    judge();
+  }
+
+  const MapChanges& changes() const { return changes_; }
+  const MapChangeScore& score() const { return score_; }
+  std::uint32_t views() const { return detector_.views(); }
+
+ private:
+  static View trueView(const Localizer& localizer, const Scan& scan, const Pose2& base_in_map) {
+    const Scan beams = localizer.correctedScan(scan, 400);
+    const Pose2 lidar = compose(base_in_map, beams.laser_in_base);
+    View view;
+    view.stamp = scan.stamp;
+    view.lidar_in_map = {lidar.x, lidar.y};
+    view.ends_in_map.resize(2, beams.size());
+    view.tolerances.setZero(beams.size());
+    Eigen::Index count = 0;
+    for (Eigen::Index k = 0; k < beams.size(); ++k) {
+      const auto range = static_cast<double>(beams.ranges[k]);
+      const double angle = lidar.yaw + static_cast<double>(beams.bearings[k]);
+      if (!std::isfinite(range)) continue;
+      view.ends_in_map.col(count++) =
+          view.lidar_in_map + range * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    }
+    view.ends_in_map.conservativeResize(2, count);
+    view.tolerances.conservativeResize(count);
+    return view;
+  }
+
+  void judge() {
+    const OccupancyGrid& map = scene_.course.map->grid;
+    const std::vector<std::uint8_t> before = obstacleMask(map, UnknownIs::kFree);
+    const std::vector<std::uint8_t> after = obstacleMask(scene_.truth, UnknownIs::kFree);
+    for (const CellChange kind : {CellChange::kNew, CellChange::kGone}) {
+      const bool is_new = kind == CellChange::kNew;
+      std::vector<std::uint8_t> truth(before.size()), found(before.size());
+      for (std::size_t i = 0; i < truth.size(); ++i) {
+        truth[i] = before[i] != after[i] && (after[i] != 0) == is_new ? 1 : 0;
+        found[i] = changes_.cells[i] == kind ? 1 : 0;
+      }
+      count(kind, truth, found);
+    }
+  }
+
+  void count(CellChange kind, const std::vector<std::uint8_t>& truth,
+             const std::vector<std::uint8_t>& found) {
+    const bool is_new = kind == CellChange::kNew;
+    const GridGeometry& geometry = scene_.truth.geometry();
+    const std::vector<float> to_found = obstacleDistances(found, geometry.width, geometry.height);
+    const std::vector<float> to_truth = obstacleDistances(truth, geometry.width, geometry.height);
+    const double reach = kMaxChangeError / geometry.resolution;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const CellViews& views = seen_.cells()[i];
+      const bool is_visible = (is_new ? views.ended : views.passed) >= kVisibleFrom;
+      if (truth[i] == 0 || !is_visible) continue;
+      ++(is_new ? score_.visible_new : score_.visible_gone);
+      if (to_found[i] <= reach) ++(is_new ? score_.found_new : score_.found_gone);
+    }
+    for (const ChangedRegion& region : changes_.regions) {
+      if (region.kind != kind) continue;
+      ++score_.regions;
+      const Cell at = cellAt(geometry, region.centre_in_map);
+      const double radius = kMaxChangeError + 0.5 * region.size.norm();
+      const double away =
+          to_truth[static_cast<std::size_t>(at.row) * static_cast<std::size_t>(geometry.width) +
+                   static_cast<std::size_t>(at.column)] *
+          geometry.resolution;
+      score_.false_regions += away > radius ? 1 : 0;
+    }
+  }
+
+  const ChangedCourse& scene_;
+  MapChangeDetector detector_;
+  CellEvidence seen_;  ///< at the true poses
+  MapChanges changes_;
+  MapChangeScore score_;
+};
+
+}  // namespace racecar_mcl
