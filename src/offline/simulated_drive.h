@@ -61,6 +61,9 @@ class SimulatedDrive {
   std::function<bool(Scan*)> on_scan = [](Scan*) { return true; };
   std::function<bool(OdometrySample*)> on_odometry = [](OdometrySample*) { return true; };
 
+  /// The command of each control step, instead of the wall follower's.
+  std::function<sim::Command()> command;
+
   /// Called before each control step, such as to move obstacles.
   std::function<void(sim::Simulator*)> before_control_step = [](sim::Simulator*) {};
 
@@ -70,9 +73,8 @@ class SimulatedDrive {
     const double end = simulator_.time() + seconds;
     while (simulator_.time() < end - kDriverPeriod / 2.0) {
       before_control_step(&simulator_);
-      const double speed = simulator_.truth().twist.vx;
-      const sim::Command command = driver_->drive(simulator_.look(), speed, simulator_.collided());
-      for (const sim::Event& event : simulator_.advance(kDriverPeriod, command)) {
+      const sim::Command next = command ? command() : followWall();
+      for (const sim::Event& event : simulator_.advance(kDriverPeriod, next)) {
         if (const auto* truth = std::get_if<sim::Truth>(&event.data)) recordTruth(*truth);
         if (const auto* sample = std::get_if<OdometrySample>(&event.data)) addOdometry(*sample);
         if (const auto* sample = std::get_if<GyroSample>(&event.data)) localizer_.addGyro(*sample);
@@ -90,6 +92,10 @@ class SimulatedDrive {
 
  private:
   static constexpr double kDriverPeriod = 0.02;  // s, control period
+
+  sim::Command followWall() const {
+    return driver_->drive(simulator_.look(), simulator_.truth().twist.vx, simulator_.collided());
+  }
 
   void recordTruth(const sim::Truth& truth) {
     truths_.push_back(truth);

@@ -1,0 +1,86 @@
+#include "evaluation/race_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "racecar_mcl/map/distance_field.h"
+
+namespace racecar_mcl {
+
+double RaceScore::meanLapTime() const {
+  if (lap_times.empty()) return 0.0;
+  return std::accumulate(lap_times.begin(), lap_times.end(), 0.0) /
+         static_cast<double>(lap_times.size());
+}
+
+double RaceScore::lapTimeDeviation() const {
+  if (lap_times.empty()) return 0.0;
+  const double mean = meanLapTime();
+  double squared = 0.0;
+  for (const double time : lap_times) squared += (time - mean) * (time - mean);
+  return std::sqrt(squared / static_cast<double>(lap_times.size()));
+}
+
+double RaceScore::shareAtBounds() const {
+  if (returns == 0) return 0.0;
+  return static_cast<double>(returns_at_bounds) / static_cast<double>(returns);
+}
+
+RaceScore& RaceScore::operator+=(const RaceScore& other) {
+  lateral.add(other.lateral);
+  localization.add(other.localization);
+  lap_times.insert(lap_times.end(), other.lap_times.begin(), other.lap_times.end());
+  max_speed = std::max(max_speed, other.max_speed);
+  returns += other.returns;
+  returns_at_bounds += other.returns_at_bounds;
+  collisions += other.collisions;
+  return *this;
+}
+
+int LapTimer::laps() const { return static_cast<int>(std::floor(driven_ / length_)); }
+
+void LapTimer::update(double along, double stamp) {
+  const int laps_before = laps();
+  const double before = driven_;
+  driven_ += std::remainder(along - driven_, length_);
+  if (laps() > laps_before) {
+    const double fraction = (laps() * length_ - before) / (driven_ - before);
+    const double crossed = last_stamp_ + fraction * (stamp - last_stamp_);
+    if (laps_before > 0) lap_times_.push_back(crossed - lap_began_);
+    lap_began_ = crossed;
+  }
+  last_stamp_ = stamp;
+}
+
+BoundsMatch::BoundsMatch(const OccupancyGrid& map)
+    : geometry_(map.geometry()),
+      distances_(obstacleDistances(obstacleMask(map, UnknownIs::kFree), geometry_.width,
+                                   geometry_.height)) {}
+
+void BoundsMatch::add(const Scan& scan, const Pose2& base_in_map,
+                      const std::function<bool(const Eigen::Vector2d&)>& is_ignored,
+                      RaceScore* score) const {
+  const Pose2 laser_in_map = compose(base_in_map, scan.laser_in_base);
+  for (Eigen::Index i = 0; i < scan.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (!std::isfinite(range)) continue;
+    const double yaw = laser_in_map.yaw + static_cast<double>(scan.bearings[i]);
+    const Eigen::Vector2d point(laser_in_map.x + range * std::cos(yaw),
+                                laser_in_map.y + range * std::sin(yaw));
+    if (is_ignored(point)) continue;
+    ++score->returns;
+    score->returns_at_bounds += distanceAt(point) <= kMaxDistance ? 1 : 0;
+  }
+}
+
+double BoundsMatch::distanceAt(const Eigen::Vector2d& point_in_map) const {
+  const Cell cell = cellAt(geometry_, point_in_map);
+  if (!contains(geometry_, cell)) return HUGE_VAL;
+  const auto index =
+      static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry_.width) +
+      static_cast<std::size_t>(cell.column);
+  return geometry_.resolution * static_cast<double>(distances_[index]);
+}
+
+}  // namespace racecar_mcl
