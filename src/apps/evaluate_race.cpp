@@ -81,9 +81,9 @@ void printRow(const std::string& map, const RaceSettings& settings, const std::s
 
 void run(const Options& options) {
   const LocalizerParameters parameters = readParameters(options.parameters);
-  printHeader();
   for (const std::string& map : options.maps) {
     const RaceTrack track = loadRaceTrack(map, parameters);
+    if (&map == &options.maps.front()) printHeader();
     for (const double speed : options.speeds) {
       for (const std::string& grip : options.grips) {
         RaceSettings settings;
