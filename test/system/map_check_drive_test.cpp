@@ -20,9 +20,10 @@ class MapCheckDrive : public RoomFolder {
  protected:
   MapCheckDrive() { writeRoomBag(path("drive.bag"), {}); }
 
-  ProgramResult check(const std::string& map, Arguments arguments) const {
+  ProgramResult check(const std::string& map, Arguments arguments,
+                      const std::string& start = "0.8 1.0 0.1") const {
     arguments.insert(arguments.begin(),
-                     {"--bag", path("drive.bag"), "--map", map, "--initial-pose", "0.8 1.0 0.1"});
+                     {"--bag", path("drive.bag"), "--map", map, "--initial-pose", start});
     return runProgram(MAP_CHECK_PROGRAM, arguments);
   }
 
