@@ -128,5 +128,30 @@ TEST(LookupTableCaster, RejectsParametersOutOfRange) {
   }
 }
 
+/// Whether two poses have the same ranges from the table.
+bool haveOneRow(const RangeCasterParameters& parameters, const Pose2& one, const Pose2& other) {
+  LookupTableCaster caster(floorPlan(), parameters, LookupTableCaster::BuildPolicy::kAtOnce);
+  const std::vector<Pose2> list{one, other};
+  const Poses poses(list);
+  caster.prepare(poses.batch(), fan(60));
+  const Eigen::ArrayXXf ranges = castAll(caster, list);
+  return (ranges.col(0) == ranges.col(1)).all();
+}
+
+TEST(LookupTableCaster, HasTheResolutionOfItsParameters) {
+  const GridGeometry geometry = floorPlan().geometry();
+  const Eigen::Vector2d lower = gridToWorld(geometry, {70.2, 80.2});
+  const Eigen::Vector2d upper = gridToWorld(geometry, {70.8, 80.8});
+  RangeCasterParameters parameters = parametersWith(60.0);
+  EXPECT_FALSE(haveOneRow(parameters, {lower.x(), lower.y(), 0.0}, {upper.x(), upper.y(), 0.0}));
+  EXPECT_FALSE(haveOneRow(parameters, {lower.x(), lower.y(), 0.02}, {lower.x(), lower.y(), 0.05}));
+  parameters.lut_spacing = geometry.resolution;
+  EXPECT_TRUE(haveOneRow(parameters, {lower.x(), lower.y(), 0.0}, {upper.x(), upper.y(), 0.0}));
+  parameters.lut_directions = 16;
+  const double yaw = geometry.origin.yaw;
+  EXPECT_TRUE(
+      haveOneRow(parameters, {lower.x(), lower.y(), yaw}, {lower.x(), lower.y(), yaw + 1e-3}));
+}
+
 }  // namespace
 }  // namespace racecar_mcl

@@ -40,14 +40,17 @@ TEST(ParticleFilter, ThrowsBeforeAStart) {
   EXPECT_THROW(filter.estimate(), std::logic_error);
 }
 
-TEST(ParticleFilter, StartsWithTheReportsSigmaIfNoneIsGiven) {
-  ParticleFilterParameters parameters = sized(20000, 0.5);
-  parameters.initial_sigma = 0.5;
-  ParticleFilter filter(parameters, {}, 44);
-  filter.initialize({{1.0, 1.0, 0.0}, Eigen::Matrix3d::Zero()});
-  const SetMoments moments = momentsOf(filter.particles());
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(moments.covariance(i, i), 0.25, varianceTolerance(20000) * 0.25);
+TEST(ParticleFilter, StartsWithTheInitialSigmaIfNoneIsGiven) {
+  for (const double sigma : {0.5, 0.2}) {
+    ParticleFilterParameters parameters = sized(20000, 0.5);
+    parameters.initial_sigma = sigma;
+    ParticleFilter filter(parameters, {}, 44);
+    filter.initialize({{1.0, 1.0, 0.0}, Eigen::Matrix3d::Zero()});
+    const SetMoments moments = momentsOf(filter.particles());
+    const double variance = sigma * sigma;
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(moments.covariance(i, i), variance, varianceTolerance(20000) * variance);
+    }
   }
 }
 
@@ -81,6 +84,7 @@ TEST(ParticleFilter, AGlobalStartCoversTheFreeSpaceEvenly) {
   map.initializeGlobally(&filter);
   const ParticleSet& particles = filter.particles();
   ASSERT_EQ(particles.size(), 20000);
+  EXPECT_FALSE(filter.converged());
   int left_half = 0, pointing_up = 0;
   for (Eigen::Index i = 0; i < particles.size(); ++i) {
     const Cell cell = cellAt(map.map().grid.geometry(), {particles.x[i], particles.y[i]});
@@ -93,6 +97,15 @@ TEST(ParticleFilter, AGlobalStartCoversTheFreeSpaceEvenly) {
   const double share = static_cast<double>(free_left) / map.map().free_cells.size();
   EXPECT_NEAR(left_half / 20000.0, share, 5 * 0.5 / std::sqrt(20000.0));
   EXPECT_NEAR(pointing_up / 20000.0, 0.5, 5 * 0.5 / std::sqrt(20000.0));
+}
+
+TEST(ParticleFilter, AGlobalStartHasTheMaximumNumberOfParticles) {
+  const MapUser map = room();
+  ParticleFilterParameters parameters = sized(100, 0.5);
+  parameters.max_particles = 700;
+  ParticleFilter filter(parameters, {}, 46);
+  map.initializeGlobally(&filter);
+  EXPECT_EQ(filter.particles().size(), 700);
 }
 
 }  // namespace

@@ -172,6 +172,73 @@ TEST(ParticleFilter, OneSeedGivesOneResult) {
   EXPECT_TRUE(a.size() != c.size() || (a.x != c.x).any());
 }
 
+TEST(ParticleFilter, AScanBeforeConvergenceIsDownWeightedByTheDistanceDriven) {
+  MapUser map = room();
+  const Scan scan = selectBeams(scanFrom(map.map(), kTruth), 2, 6.0);
+  /// Log odds of the best particle against the worst after a scan 0.1 m from the start.
+  const auto odds = [&](double decorrelation_distance) {
+    ParticleFilterParameters parameters = sized(50, 0.0);
+    parameters.max_particles = 50;
+    parameters.scan_decorrelation_distance = decorrelation_distance;
+    MotionModelParameters still;
+    still.deterministic = true;
+    ParticleFilter filter(parameters, still, 57);
+    map.initializeGlobally(&filter);
+    filter.predict({{}, 0.1, 0.0, 0.0, 1.0});
+    map.update(&filter, scan);
+    const Eigen::ArrayXd& weights = filter.particles().log_weight;
+    return weights.maxCoeff() - weights.minCoeff();
+  };
+  EXPECT_GT(odds(0.1), 0.1);
+  EXPECT_NEAR(odds(0.4), 0.25 * odds(0.1), 1e-9);
+  EXPECT_NEAR(odds(2.0), 0.05 * odds(0.1), 1e-9);
+}
+
+TEST(ParticleFilter, AScanWithManyOutliersIsDownWeightedIfWanted) {
+  MapUser map = room();
+  Scan scan = scanFrom(map.map(), kTruth);
+  scan.ranges.head(5) *= 0.4f;
+  const auto oddsWith = [&](bool bound_information) {
+    ParticleFilterParameters parameters = sized(50, 0.0);
+    parameters.bound_information = bound_information;
+    ParticleFilter filter(parameters, {}, 57);
+    filter.initialize(startAt(kTruth, {0.02, 0.02, 0.02}));
+    map.update(&filter, scan);
+    const Eigen::ArrayXd& weights = filter.particles().log_weight;
+    return weights.maxCoeff() - weights.minCoeff();
+  };
+  EXPECT_GT(oddsWith(false), 0.1);
+  EXPECT_LT(oddsWith(true), 0.5 * oddsWith(false));
+}
+
+TEST(ParticleFilter, TheEstimateIsOfTheWantedKind) {
+  MapUser map = room();
+  const auto isAParticle = [&](EstimateFrom kind) {
+    ParticleFilterParameters parameters = sized(50, 0.0);
+    parameters.estimate = kind;
+    ParticleFilter filter(parameters, {}, 58);
+    filter.initialize(startAt(kTruth, {0.1, 0.1, 0.1}));
+    const double x = map.update(&filter, scanFrom(map.map(), kTruth)).estimate.base_in_map.x;
+    return (filter.particles().x == x).any();
+  };
+  EXPECT_TRUE(isAParticle(EstimateFrom::kBest));
+  EXPECT_FALSE(isAParticle(EstimateFrom::kMean));
+}
+
+TEST(ParticleFilter, ChangedMotionParametersApplyToTheNextMotion) {
+  MotionModelParameters motion;
+  motion.deterministic = true;
+  ParticleFilter filter(sized(50, 0.5), motion, 59);
+  filter.initialize(startAt(kTruth, {1e-9, 1e-9, 1e-9}));
+  const auto spreadAfterAMotion = [&] {
+    filter.predict({{0.5, 0.0, 0.0}, 0.5, 0.0, 0.1, 1.0});
+    return filter.particles().x.maxCoeff() - filter.particles().x.minCoeff();
+  };
+  EXPECT_LT(spreadAfterAMotion(), 1e-6);
+  filter.setParameters(sized(50, 0.5), {});
+  EXPECT_GT(spreadAfterAMotion(), 1e-3);
+}
+
 TEST(ParticleFilterParameters, RejectValuesOutOfRange) {
   const auto changed = [](const auto& change) {
     ParticleFilterParameters parameters;

@@ -34,9 +34,9 @@ TEST(LocalizationMap, ExpectedRangesReachTheRangeOfTheBeamTable) {
   const auto with = [](double max_range) {
     return makeLocalizationMap(asciiMap(kRoom, 0.1), sensor(beamModel(), max_range));
   };
-  EXPECT_NO_THROW(with(0.0));
-  EXPECT_NO_THROW(with(10.0));
-  EXPECT_NO_THROW(with(30.0));
+  EXPECT_NEAR(with(0.0)->caster->maxRange(), 10.0, 1e-9);
+  EXPECT_EQ(with(10.0)->caster->maxRange(), 10.0);
+  EXPECT_EQ(with(30.0)->caster->maxRange(), 30.0);
   EXPECT_THROW(with(5.0), ParameterError);
   EXPECT_THROW(with(-1.0), ParameterError);
   EXPECT_THROW(with(std::numeric_limits<double>::quiet_NaN()), ParameterError);

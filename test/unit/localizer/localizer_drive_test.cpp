@@ -197,5 +197,19 @@ TEST_F(LocalizerTest, FollowsPosesAsWellAsTwists) {
   EXPECT_NEAR(localizer.twist().vx, twist_.vx, 1e-6);
 }
 
+TEST_F(LocalizerTest, ReportsTheDisagreementOfScansAndOdometry) {
+  const auto disagreementWith = [&](double scale) {
+    Localizer localizer = started();
+    for (int i = 1; i <= 80; ++i) {
+      const double stamp = start_ + i * kScanPeriod;
+      localizer.addOdometry({stamp, {scale * twist_.vx, 0.0, twist_.wz}, {}});
+      localizer.update(scanAt(stamp));
+    }
+    return localizer.status().disagreement;
+  };
+  EXPECT_LT(disagreementWith(1.0), 0.05);
+  EXPECT_GT(disagreementWith(0.8), 0.1);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

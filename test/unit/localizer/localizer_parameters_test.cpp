@@ -1,6 +1,8 @@
 // Parameters that change between two scans.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "racecar_mcl/common/errors.h"
 #include "racecar_mcl/localizer/parameter_registry.h"
 #include "support/localizer_fixture.h"
@@ -51,6 +53,63 @@ TEST_F(LocalizerTest, AWrongParameterChangesNothing) {
   wrong.monitor.lost_conflict = -1.0;
   EXPECT_THROW(localizer.setParameters(wrong, localizer.map()), ParameterError);
   EXPECT_EQ(localizer.parameters().filter.num_particles, 200);
+}
+
+TEST_F(LocalizerTest, EachComponentFollowsChangedParameters) {
+  Localizer localizer = started();
+  drive(&localizer, 0.0, 1.0);
+  EXPECT_EQ(localizer.calibration().distanceScale(), 1.0);
+  const ProtectionLevel before = localizer.status().level;
+  LocalizerParameters changed = fewBeams();
+  changed.scan.num_beams_per_particle = 30;
+  changed.range_bias.range_bias = 0.01;
+  changed.calibration.calibration_distance = 5.0;
+  changed.scan_direction = ScanDirectionFrom::kReversed;
+  changed.protection.integrity_risk = 1e-6;
+  changed.odometry.max_odometry_extrapolation = 0.0;
+  localizer.setParameters(changed, localizer.map());
+  EXPECT_TRUE(localizer.scanDirection().isReversed());
+  ScanResult last;
+  drive(&localizer, 1.0, 1.1, [&](const ScanResult& result) { last = result; });
+  EXPECT_EQ(last.update.beams, 30);
+  EXPECT_EQ(last.range_bias, 0.01);
+  EXPECT_NE(localizer.calibration().distanceScale(), 1.0);
+  EXPECT_GT(last.status.level.along, 1.2 * before.along);
+  const double newest = *localizer.newestStamp();
+  EXPECT_EQ(localizer.estimateAt(newest + 0.2)->base_in_map.x,
+            localizer.estimateAt(newest)->base_in_map.x);
+}
+
+TEST(LocalizerParameters, AreCheckedInEveryPart) {
+  using P = LocalizerParameters;
+  const std::function<void(P&)> mistakes[] = {
+      [](P& p) { p.filter.num_particles = 0; },
+      [](P& p) { p.motion.yaw_noise_from_rotation = -1.0; },
+      [](P& p) { p.scan.min_beams = 0; },
+      [](P& p) { p.sensor.field.z_rand = 2.0; },
+      [](P& p) { p.odometry.clock_jump = 0.0; },
+      [](P& p) { p.calibration.calibration_distance = -1.0; },
+      [](P& p) { p.range_bias.range_bias = 1.0; },
+      [](P& p) { p.monitor.lost_conflict = -1.0; },
+      [](P& p) { p.protection.integrity_risk = 0.0; }};
+  EXPECT_NO_THROW(validate(P{}));
+  for (const auto& mistake : mistakes) {
+    P parameters;
+    mistake(parameters);
+    EXPECT_THROW(validate(parameters), ParameterError) << &mistake - mistakes;
+  }
+}
+
+TEST(LocalizerParameters, GiveEverySensorModelTheExponentOfTheEffectiveBeams) {
+  LocalizerParameters parameters;
+  parameters.effective_beams = 25.0;
+  parameters.scan.num_beams_per_particle = 100;
+  const SensorParameters sensor = sensorParameters(parameters);
+  EXPECT_EQ(sensor.field.likelihood_exponent, 0.25);
+  EXPECT_EQ(sensor.beam.likelihood_exponent, 0.25);
+  EXPECT_EQ(sensor.search.likelihood_exponent, 0.25);
+  parameters.effective_beams = 200.0;
+  EXPECT_EQ(sensorParameters(parameters).field.likelihood_exponent, 1.0);
 }
 
 TEST(NeedsNewMap, IfWhatTheMapIsBuiltFromDiffers) {

@@ -143,5 +143,28 @@ TEST_F(PoseExtrapolatorTest, ScansMayPauseWhileOdometryContinues) {
   EXPECT_EQ(extrapolator_.checkStamp(14.0), ScanOutcome::kUsed);
 }
 
+TEST_F(PoseExtrapolatorTest, ScansBackByTheClockJumpAreATimeJump) {
+  OdometryParameters parameters;
+  parameters.clock_jump = 0.4;
+  extrapolator_ = PoseExtrapolator(parameters, {});
+  odometryUpTo(11.0);
+  extrapolator_.reset(at(0.0), OdometryCalibration{});
+  EXPECT_EQ(extrapolator_.checkStamp(11.0), ScanOutcome::kUsed);
+  extrapolator_.beginScan(scanAt(11.0));
+  EXPECT_EQ(extrapolator_.checkStamp(10.7), ScanOutcome::kOutOfOrder);
+  EXPECT_EQ(extrapolator_.checkStamp(10.5), ScanOutcome::kStampOutlier);
+  EXPECT_EQ(extrapolator_.checkStamp(10.51), ScanOutcome::kTimeJumpedBack);
+}
+
+TEST_F(PoseExtrapolatorTest, OdometryIsNewForTheMaximumGap) {
+  OdometryParameters parameters;
+  parameters.max_odometry_gap = 0.3;
+  extrapolator_ = PoseExtrapolator(parameters, {});
+  odometryUpTo(11.0);
+  extrapolator_.reset(at(0.0), OdometryCalibration{});
+  EXPECT_TRUE(extrapolator_.beginScan(scanAt(11.2)).odometry_is_new);
+  EXPECT_FALSE(extrapolator_.beginScan(scanAt(11.4)).odometry_is_new);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

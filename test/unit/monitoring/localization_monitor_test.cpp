@@ -337,5 +337,43 @@ TEST(LocalizationMonitorParameters, OutOfRangeIsRejected) {
   EXPECT_NO_THROW(validate(LocalizationMonitorParameters{}));
 }
 
+TEST_F(LocalizationMonitorTest, IsDegradedAboveTheSigmaOfTheParameter) {
+  for (const double limit : {0.1, 0.6}) {
+    LocalizationMonitorParameters parameters;
+    parameters.localized_sigma = limit;
+    monitor_ = LocalizationMonitor(parameters);
+    setSigma(0.9 * limit);
+    EXPECT_EQ(after(1.0), LocalizationState::kLocalized) << limit;
+    setSigma(1.1 * limit);
+    EXPECT_EQ(after(1.0), LocalizationState::kDegraded) << limit;
+  }
+}
+
+TEST_F(LocalizationMonitorTest, IsDegradedAboveTheDisagreementOfTheParameter) {
+  for (const double limit : {0.15, 0.5}) {
+    LocalizationMonitorParameters parameters;
+    parameters.odometry_disagreement = limit;
+    monitor_ = LocalizationMonitor(parameters);
+    input_.correction = {0.7 * limit * input_.travelled, 0.0};
+    EXPECT_EQ(after(20.0), LocalizationState::kLocalized) << limit;
+    input_.correction = {1.4 * limit * input_.travelled, 0.0};
+    EXPECT_EQ(after(20.0), LocalizationState::kDegraded) << limit;
+  }
+}
+
+TEST_F(LocalizationMonitorTest, IsDegradedBelowTheBaselineByTheDeviationsOfTheParameter) {
+  const auto stateWith = [&](double deviations) {
+    LocalizationMonitorParameters parameters;
+    parameters.degraded_deviations = deviations;
+    monitor_ = LocalizationMonitor(parameters);
+    setMatch(0.95);
+    after(20.0);
+    setMatch(0.75);
+    return after(0.5);
+  };
+  EXPECT_EQ(stateWith(3.0), LocalizationState::kDegraded);
+  EXPECT_EQ(stateWith(10.0), LocalizationState::kLocalized);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

@@ -104,5 +104,14 @@ TEST_F(CalibratedOdometryTest, ASnapshotHasTheSameMotions) {
   expectNear(part.motion(part.at(scan_), scan_ + 0.02).delta, expected, 0.0, 0.0);
 }
 
+TEST(CalibratedOdometryParameters, DefineAJumpOfTheGyrosClock) {
+  OdometryParameters parameters;
+  parameters.clock_jump = 0.4;
+  CalibratedOdometry odometry(parameters);
+  odometry.add(GyroSample{10.0, 0.0});
+  EXPECT_EQ(odometry.add(GyroSample{9.7, 0.0}), GyroOutcome::kOutOfOrder);
+  EXPECT_EQ(odometry.add(GyroSample{9.5, 0.0}), GyroOutcome::kTimeJumpedBack);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

@@ -288,5 +288,33 @@ TEST(OdometryParameters, RejectValuesOutOfRange) {
   EXPECT_THROW(validate(none), ParameterError);
 }
 
+TEST(OdometryParameters, LimitTheMotionOverAGap) {
+  OdometryParameters parameters;
+  parameters.max_odometry_gap = 0.3;
+  OdometryBuffer history(parameters);
+  history.add(twistAt(0.0, {2.0, 0.0, 0.0}));
+  EXPECT_EQ(history.add(twistAt(0.48, {2.0, 0.0, 0.0})), OdometryOutcome::kStampOutlier);
+  EXPECT_EQ(history.add(twistAt(0.5, {2.0, 0.0, 0.0})), OdometryOutcome::kGap);
+  EXPECT_NEAR(history.at(0.48).base_in_odom.x, 0.6, 1e-9);
+}
+
+TEST(OdometryParameters, LimitTheExtrapolation) {
+  OdometryParameters parameters;
+  parameters.max_odometry_extrapolation = 0.1;
+  OdometryBuffer history(parameters);
+  history.add(twistAt(0.0, {2.0, 0.0, 0.0}));
+  EXPECT_NEAR(history.at(1.0).base_in_odom.x, 0.2, 1e-9);
+}
+
+TEST(OdometryParameters, DefineAJumpOfTheClock) {
+  OdometryParameters parameters;
+  parameters.clock_jump = 0.4;
+  OdometryBuffer history(parameters);
+  history.add(twistAt(10.0, {2.0, 0.0, 0.0}));
+  EXPECT_EQ(history.add(twistAt(9.7, {2.0, 0.0, 0.0})), OdometryOutcome::kOutOfOrder);
+  EXPECT_EQ(history.add(twistAt(9.5, {2.0, 0.0, 0.0})), OdometryOutcome::kStampOutlier);
+  EXPECT_EQ(history.add(twistAt(9.52, {2.0, 0.0, 0.0})), OdometryOutcome::kTimeJumpedBack);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -124,6 +125,54 @@ TEST_F(ObstacleTrackerTest, DoesNotAssociateAcrossTheGate) {
   EXPECT_NEAR(tracks[0].position_in_map.x(), 0.0, 0.1);
   EXPECT_NEAR(tracks[1].position_in_map.x(), 1.5, 0.1);
   EXPECT_NEAR(tracks[1].velocity_in_map.x(), 0.0, 0.3);
+}
+
+TEST_F(ObstacleTrackerTest, ConfirmsAfterTheScansOfTheParameter) {
+  ObstacleTrackerParameters parameters;
+  parameters.confirmation_scans = 2;
+  tracker_ = ObstacleTracker(parameters);
+  EXPECT_EQ(tracker_.update({clusterAt(1.0, 1.0)}, 100.0).size(), 0u);
+  EXPECT_EQ(tracker_.update({clusterAt(1.0, 1.0)}, 100.0 + kPeriod).size(), 1u);
+}
+
+TEST_F(ObstacleTrackerTest, DeletesATrackAfterTheTimeoutOfTheParameter) {
+  for (const double timeout : {0.1, 0.9}) {
+    ObstacleTrackerParameters parameters;
+    parameters.timeout = timeout;
+    tracker_ = ObstacleTracker(parameters);
+    const auto seen = [&](double) { return Clusters{clusterAt(1.0, 1.0)}; };
+    const Tracks tracks = track(0.5, seen);
+    ASSERT_EQ(tracks.size(), 1u);
+    const double last = tracks[0].last_stamp;
+    EXPECT_EQ(tracker_.update({}, last + timeout - 0.01).size(), 1u) << timeout;
+    EXPECT_EQ(tracker_.update({}, last + timeout + 0.01).size(), 0u) << timeout;
+  }
+}
+
+TEST_F(ObstacleTrackerTest, TakesADistantClusterForTheObstacleWithinTheGate) {
+  const auto idAfterAStep = [&](double gate) {
+    ObstacleTrackerParameters parameters;
+    parameters.gate = gate;
+    tracker_ = ObstacleTracker(parameters);
+    const Tracks tracks =
+        track(1.5, [&](double t) { return Clusters{clusterAt(t < 0.5 ? 1.0 : 2.0, 1.0)}; });
+    return tracks.back().id;
+  };
+  EXPECT_EQ(idAfterAStep(3.5), 2);
+  EXPECT_EQ(idAfterAStep(1000.0), 1);
+}
+
+TEST_F(ObstacleTrackerTest, FollowsAChangeOfTheVelocityByTheAccelerationNoise) {
+  const auto speedAfterAStop = [&](double noise) {
+    ObstacleTrackerParameters parameters;
+    parameters.acceleration_noise = noise;
+    tracker_ = ObstacleTracker(parameters);
+    const Tracks tracks =
+        track(1.2, [&](double t) { return Clusters{clusterAt(0.5 * std::min(t, 1.0), 1.0)}; });
+    return tracks.at(0).velocity_in_map.x();
+  };
+  EXPECT_LT(speedAfterAStop(4.0), 0.25);
+  EXPECT_GT(speedAfterAStop(0.001), 0.35);
 }
 
 }  // namespace

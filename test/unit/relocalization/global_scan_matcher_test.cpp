@@ -194,5 +194,47 @@ TEST(GlobalScanMatcher, RejectsParametersOutOfRange) {
   EXPECT_NO_THROW(validate(GlobalScanMatcherParameters{}));
 }
 
+TEST(GlobalScanMatcher, HasTheLatticeOfItsParameters) {
+  const std::size_t cells = freeCells(flat()).size();
+  EXPECT_EQ(GlobalScanMatcher(flat(), {}).poses(), 105 * cells);  // 2 pi / 0.06 rad
+  GlobalScanMatcherParameters wide;
+  wide.search_yaw_spacing = 0.5;
+  EXPECT_EQ(GlobalScanMatcher(flat(), wide).poses(), 13 * cells);
+  wide.search_spacing = 1.0;
+  const GlobalScanMatcher search(flat(), wide);
+  EXPECT_EQ(search.spacing(), 1.0);
+  EXPECT_LT(search.poses(), 13 * cells / 2);
+}
+
+TEST(GlobalScanMatcher, FindsLittleWithOneBeam) {
+  const OccupancyGrid grid = flat();
+  const Pose2 truth{2.2, 1.4, 0.4};
+  const auto shareWith = [&](int beams) {
+    GlobalScanMatcherParameters parameters;
+    parameters.search_beams = beams;
+    Random random(9);
+    return shareNear(
+        GlobalScanMatcher(grid, parameters).candidates(scanFrom(grid, truth), 2000, random), truth);
+  };
+  EXPECT_LT(shareWith(1), 0.5 * shareWith(60));
+}
+
+TEST(GlobalScanMatcher, NeedsTheMemoryOfItsRange) {
+  const auto bytesWith = [](double max_range) {
+    GlobalScanMatcherParameters parameters;
+    parameters.search_max_range = max_range;
+    return GlobalScanMatcher(flat(), parameters).memoryBytes();
+  };
+  EXPECT_LT(bytesWith(1.0), bytesWith(30.0));
+}
+
+TEST(GlobalScanMatcher, FindsThePoseOfACarWithTheLidarMountedSideways) {
+  const OccupancyGrid grid = flat();
+  const Pose2 truth{2.2, 1.4, 0.4};
+  const Scan scan = scanFrom(grid, truth, {0.2, 0.1, 1.5});
+  Random random(10);
+  EXPECT_GT(shareNear(GlobalScanMatcher(grid, {}).candidates(scan, 2000, random), truth), 0.05);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

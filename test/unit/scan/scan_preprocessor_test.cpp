@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/scan/beam_selection.h"
 #include "support/scans.h"
 
 namespace racecar_mcl {
@@ -67,6 +68,20 @@ TEST(ScanPreprocessor, RejectsParametersOutOfRange) {
   ScanParameters parameters;
   parameters.num_beams_per_particle = 0;
   EXPECT_THROW(ScanPreprocessor{parameters}, ParameterError);
+}
+
+TEST(ScanPreprocessor, SelectsBeamsByItsParameters) {
+  const Scan scan = fan(200);
+  ScanParameters parameters;
+  parameters.num_beams_per_particle = 21;
+  parameters.scan_field_of_view = 2.0;
+  parameters.beam_box_aspect = 5.0;
+  const Scan boxed = ScanPreprocessor(parameters).select(scan);
+  EXPECT_TRUE((boxed.bearings == selectBeamsBoxed(scan, 21, 2.0, 5.0).bearings).all());
+  parameters.beam_layout = BeamLayout::kEven;
+  const Scan even = ScanPreprocessor(parameters).select(scan);
+  EXPECT_TRUE((even.bearings == selectBeams(scan, 21, 2.0).bearings).all());
+  EXPECT_FALSE((even.bearings == boxed.bearings).all());
 }
 
 }  // namespace
