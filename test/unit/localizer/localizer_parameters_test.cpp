@@ -80,6 +80,13 @@ TEST_F(LocalizerTest, EachComponentFollowsChangedParameters) {
             localizer.estimateAt(newest)->base_in_map.x);
 }
 
+TEST_F(LocalizerTest, TheAcquisitionOrderOfTheBeamsIsAParameter) {
+  LocalizerParameters parameters = fewBeams();
+  EXPECT_FALSE(started(parameters).scanDirection().isReversed());
+  parameters.scan_direction = ScanDirectionFrom::kReversed;
+  EXPECT_TRUE(started(parameters).scanDirection().isReversed());
+}
+
 TEST(LocalizerParameters, AreCheckedInEveryPart) {
   using P = LocalizerParameters;
   const std::function<void(P&)> mistakes[] = {

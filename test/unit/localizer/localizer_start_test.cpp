@@ -82,5 +82,13 @@ TEST_F(LocalizerTest, StartsAnywhereOnTheMap) {
   EXPECT_GT(localizer.estimateAt(start_)->covariance(0, 0), 1.0);
 }
 
+TEST_F(LocalizerTest, AStartResetsTheStatus) {
+  Localizer localizer = started();
+  drive(&localizer, 0.0, 1.0);
+  ASSERT_EQ(localizer.status().state, LocalizationState::kLocalized);
+  localizer.initialize(startAt(start_pose_));
+  EXPECT_EQ(localizer.status().state, LocalizationState::kInitializing);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

@@ -113,5 +113,18 @@ TEST(CalibratedOdometryParameters, DefineAJumpOfTheGyrosClock) {
   EXPECT_EQ(odometry.add(GyroSample{9.5, 0.0}), GyroOutcome::kTimeJumpedBack);
 }
 
+TEST_F(CalibratedOdometryTest, TurnsHaveADelayOfTheirOwn) {
+  driveUpTo(2.0, 1.0, false);
+  OdometryErrors errors;
+  errors.turn.delay = 0.1;
+  OdometryCalibration calibration;
+  calibration.resume(errors);
+  const double later_turn = odometry_.at(1.1).odometry.turn;
+  const double distance = odometry_.at(1.0).odometry.distance;
+  odometry_.setCalibration(calibration);
+  EXPECT_NEAR(odometry_.at(1.0).odometry.turn, later_turn, 1e-12);
+  EXPECT_EQ(odometry_.at(1.0).odometry.distance, distance);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

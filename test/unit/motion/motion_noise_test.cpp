@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "support/motions.h"
 
@@ -194,6 +195,34 @@ TEST(DifferentialNoise, HandlesTurnsInPlaceAndStationaryCars) {
   const Eigen::Matrix3d turn = motionCovariance(parameters, motionOf({0.0, 0.0, 1.0}, 0.3));
   EXPECT_NEAR(turn(2, 2), std::pow(parameters.rotation_noise_from_rotation * 0.3, 2), 1e-12);
   EXPECT_TRUE(motionCovariance(parameters, {{}, 0.0, 0.0, 0.0, 1.0}).isZero(0.0));
+}
+
+TEST(MotionNoise, GrowsWithTheSquareOfEveryParameter) {
+  using P = MotionModelParameters;
+  const std::pair<MotionNoise, std::vector<double P::*>> models[] = {
+      {MotionNoise::kConstant,
+       {&P::constant_x_sigma, &P::constant_y_sigma, &P::constant_yaw_sigma}},
+      {MotionNoise::kDifferential,
+       {&P::rotation_noise_from_rotation, &P::rotation_noise_from_translation,
+        &P::translation_noise_from_translation, &P::translation_noise_from_rotation}},
+      {MotionNoise::kAckermann,
+       {&P::longitudinal_noise_from_translation, &P::lateral_noise_from_translation,
+        &P::yaw_noise_from_translation, &P::yaw_noise_from_rotation, &P::position_noise_from_time,
+        &P::yaw_noise_from_time, &P::slip_noise_from_acceleration, &P::translation_scale_error,
+        &P::curvature_error, &P::rotation_scale_error}}};
+  const Motion motion{{0.4, 0.05, 0.2}, 0.42, 0.25, 0.3, 10.0};
+  for (const auto& [model, members] : models) {
+    for (double P::*const member : members) {
+      P parameters;
+      parameters.motion_model = model;
+      for (double P::*const other : members) parameters.*other = 0.0;
+      parameters.*member = 0.1;
+      const Eigen::Matrix3d one = motionCovariance(parameters, motion);
+      EXPECT_GT(one.trace(), 0.0);
+      parameters.*member = 0.2;
+      EXPECT_TRUE(motionCovariance(parameters, motion).isApprox(4.0 * one, 1e-9));
+    }
+  }
 }
 
 }  // namespace

@@ -236,5 +236,21 @@ TEST(GlobalScanMatcher, FindsThePoseOfACarWithTheLidarMountedSideways) {
   EXPECT_GT(shareNear(GlobalScanMatcher(grid, {}).candidates(scan, 2000, random), truth), 0.05);
 }
 
+TEST(GlobalScanMatcher, ComparesNoBeamsBeyondItsRange) {
+  const OccupancyGrid grid = flat();
+  GlobalScanMatcherParameters parameters;
+  parameters.search_max_range = 4.0;
+  const GlobalScanMatcher search(grid, parameters);
+  Scan scan = scanFrom(grid, {2.2, 1.4, 0.4});
+  const auto candidatesWith = [&](float range) {
+    scan.ranges.head(40) = range;
+    Random random(11);
+    return search.candidates(scan, 500, random);
+  };
+  const float none = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE((candidatesWith(7.0f).x == candidatesWith(none).x).all());
+  EXPECT_FALSE((candidatesWith(3.0f).x == candidatesWith(none).x).all());
+}
+
 }  // namespace
 }  // namespace racecar_mcl
