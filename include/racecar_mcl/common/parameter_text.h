@@ -26,6 +26,9 @@ void parseParameter(const std::string& name, const std::string& text, double* va
 void parseParameter(const std::string& name, const std::string& text, int* value);
 void parseParameter(const std::string& name, const std::string& text, bool* value);  ///< or 1, 0
 void parseParameter(const std::string& name, const std::string& text, std::string* value);
+/// Words separated by spaces.
+void parseParameter(const std::string& name, const std::string& text,
+                    std::vector<std::string>* value);
 
 /// Throws ParameterError: the text is not a valid value.
 [[noreturn]] void refuseParameter(const std::string& name, const std::string& text,
@@ -49,6 +52,7 @@ std::string parameterText(double value);
 std::string parameterText(int value);
 std::string parameterText(bool value);
 std::string parameterText(const std::string& value);
+std::string parameterText(const std::vector<std::string>& value);
 
 template <typename Enum, typename = std::enable_if_t<std::is_enum_v<Enum>>>
 std::string parameterText(Enum value) {

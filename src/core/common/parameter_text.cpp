@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
+#include <iterator>
 #include <sstream>
 
 #include "racecar_mcl/common/printable.h"
@@ -54,6 +55,12 @@ void parseParameter(const std::string& /*name*/, const std::string& text, std::s
   *value = text;
 }
 
+void parseParameter(const std::string& /*name*/, const std::string& text,
+                    std::vector<std::string>* value) {
+  std::istringstream words(text);
+  value->assign(std::istream_iterator<std::string>(words), {});
+}
+
 std::string parameterText(double value) {
   std::ostringstream text;
   text.precision(std::numeric_limits<double>::digits10);
@@ -64,6 +71,12 @@ std::string parameterText(double value) {
 std::string parameterText(int value) { return std::to_string(value); }
 std::string parameterText(bool value) { return value ? "true" : "false"; }
 std::string parameterText(const std::string& value) { return value; }
+
+std::string parameterText(const std::vector<std::string>& value) {
+  std::string text;
+  for (const std::string& word : value) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
