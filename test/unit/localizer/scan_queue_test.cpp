@@ -49,5 +49,26 @@ TEST(ScanQueue, DropsTheOldestAboveItsCapacity) {
   EXPECT_TRUE(queue.empty());
 }
 
+TEST(ScanQueue, SortsTheScansOfLidarsByStamp) {
+  ScanQueue<int> queue;
+  queue.add(10.05, 20.0, 1, 0);
+  queue.add(10.02, 20.0, 2, 1);
+  queue.add(10.04, 20.0, 3, 1);
+  queue.add(10.03, 20.0, 4, 2);
+  for (const int item : {2, 4, 3, 1}) EXPECT_EQ(queue.take(), item);
+  queue.add(10.05, 20.0, 1, 0);
+  queue.add(10.02, 20.0, 2, 0);
+  EXPECT_EQ(queue.take(), 1) << "those of one lidar keep the order of arrival";
+}
+
+TEST(ScanQueue, TheNewestScanOfEachLidarWaits) {
+  ScanQueue<int> queue(1, 0.1);
+  EXPECT_TRUE(queue.add(10.00, 20.0, 1, 0));
+  EXPECT_TRUE(queue.add(10.01, 20.0, 2, 1));
+  EXPECT_FALSE(queue.add(10.02, 20.0, 3, 0));
+  for (const int item : {2, 3}) EXPECT_EQ(queue.take(), item);
+  EXPECT_TRUE(queue.empty());
+}
+
 }  // namespace
 }  // namespace racecar_mcl
