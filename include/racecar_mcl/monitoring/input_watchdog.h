@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdio>
+#include <map>
 #include <optional>
+#include <string>
 
 #include "racecar_mcl/monitoring/localization_monitor.h"
 
@@ -19,25 +21,51 @@ class InputWatchdog {
 
   /// A scan was compared with the map.
   void recordScan(double now) { scan_ = now; }
+  /// The same for a scan of the lidar with this name, of which further ones are expected.
+  void recordScan(double now, const std::string& lidar) { scan_ = lidars_[lidar] = now; }
+  /// Scans of a lidar with this name are expected from the next call of `monitor` on, or no longer.
+  void expectLidar(const std::string& name) { lidars_[name]; }
+  void forgetLidar(const std::string& name) { lidars_.erase(name); }
   /// An odometry message was used.
   void recordOdometry(double now) { odometry_ = now; }
 
   /// The status at this time. If an input has timed out, the reason states it, and kLocalized
-  /// becomes kDegraded.
+  /// becomes kDegraded. If some lidars of several have, only the reason states it.
   LocalizationStatus monitor(LocalizationStatus status, double now) {
     const double scan = elapsed(&scan_, now);
     const double odometry = elapsed(&odometry_, now);
     const bool no_scan = scan > timeout_;
-    if (!no_scan && odometry <= timeout_) return status;
-    char reason[64];
-    std::snprintf(reason, sizeof(reason), "no usable %s for %.1f s", no_scan ? "scan" : "odometry",
-                  no_scan ? scan : odometry);
-    status.reason = reason;
-    if (status.state == LocalizationState::kLocalized) status.state = LocalizationState::kDegraded;
+    findSilentLidars(now);
+    if (no_scan) silent_lidars_.clear();  // all are silent
+    if (no_scan || odometry > timeout_) {
+      char reason[64];
+      std::snprintf(reason, sizeof(reason), "no usable %s for %.1f s",
+                    no_scan ? "scan" : "odometry", no_scan ? scan : odometry);
+      status.reason = reason;
+      if (status.state == LocalizationState::kLocalized) {
+        status.state = LocalizationState::kDegraded;
+      }
+    }
+    if (!silent_lidars_.empty()) status.reason += "; no usable scan of " + silent_lidars_;
     return status;
   }
 
+  /// The lidars that have timed out at the last call of `monitor`, such as "laser_rear for 3.0 s";
+  /// empty if none has.
+  const std::string& silentLidars() const { return silent_lidars_; }
+
  private:
+  void findSilentLidars(double now) {
+    silent_lidars_.clear();
+    for (auto& [name, last] : lidars_) {
+      const double silence = elapsed(&last, now);
+      if (silence <= timeout_) continue;
+      char duration[32];
+      std::snprintf(duration, sizeof(duration), " for %.1f s", silence);
+      silent_lidars_ += (silent_lidars_.empty() ? "" : " and of ") + name + duration;
+    }
+  }
+
   /// Time since the last input, s. Restarts at `now` if there was no input yet, or if the clock has
   /// just started or was set back.
   static double elapsed(std::optional<double>* last, double now) {
@@ -47,6 +75,8 @@ class InputWatchdog {
 
   double timeout_;
   std::optional<double> scan_, odometry_;
+  std::map<std::string, std::optional<double>> lidars_;  ///< by name
+  std::string silent_lidars_;
 };
 
 }  // namespace racecar_mcl

@@ -80,5 +80,33 @@ TEST_F(InputWatchdogTest, HandlesAClockThatStarts) {
   EXPECT_EQ(watchdog_.monitor(status_, 1000.0).state, LocalizationState::kLocalized);
 }
 
+TEST_F(InputWatchdogTest, NamesASilentLidarWhileOthersGoOn) {
+  watchdog_.recordScan(100.0, "front");
+  watchdog_.recordScan(100.0, "rear");
+  watchdog_.expectLidar("/left");
+  EXPECT_EQ(watchdog_.monitor(status_, 100.0).reason, status_.reason);
+  for (double now = 100.0; now < 103.0; now += 0.5) {
+    watchdog_.recordScan(now, "front");
+    watchdog_.recordOdometry(now);
+  }
+  const LocalizationStatus status = watchdog_.monitor(status_, 103.0);
+  EXPECT_EQ(status.state, LocalizationState::kLocalized);
+  EXPECT_EQ(status.reason, "95 % inliers; no usable scan of /left for 3.0 s and of rear for 3.0 s");
+  EXPECT_EQ(watchdog_.silentLidars(), "/left for 3.0 s and of rear for 3.0 s");
+  watchdog_.forgetLidar("/left");
+  watchdog_.recordScan(103.0, "rear");
+  EXPECT_EQ(watchdog_.monitor(status_, 103.0).reason, status_.reason);
+  EXPECT_EQ(watchdog_.silentLidars(), "");
+}
+
+TEST_F(InputWatchdogTest, DegradesIfAllLidarsAreSilent) {
+  watchdog_.recordScan(100.0, "front");
+  watchdog_.recordScan(100.0, "rear");
+  watchdog_.recordOdometry(103.0);
+  const LocalizationStatus status = watchdog_.monitor(status_, 103.0);
+  EXPECT_EQ(status.state, LocalizationState::kDegraded);
+  EXPECT_EQ(status.reason, "no usable scan for 3.0 s");
+}
+
 }  // namespace
 }  // namespace racecar_mcl
