@@ -90,6 +90,12 @@ void addOptions(Options* o, CLI::App* app) {
   app->add_flag("--clockwise", lidar.clockwise,
                 "clockwise lidar: beams in reverse acquisition order");
   option("--glass", lidar.glass.share, "fraction of walls without returns (glass)");
+
+  sim::RearLidarParameters& rear = o->simulator.rear_lidar;
+  app->add_flag("--rear-lidar", rear.enabled, "record a lidar that faces back, on /scan_rear");
+  option("--rear-range-bias", rear.range_bias, "added to its ranges, m");
+  app->add_flag("--rear-clockwise", rear.clockwise, "it is clockwise");
+
   option("--obstacles", o->scenario.obstacles, "number of unmapped obstacles");
   option("--moving-obstacles", o->scenario.moving_obstacles, "number of them that move");
 }

@@ -33,7 +33,8 @@ inline Course loadCourse(const std::string& map_path, const LocalizerParameters&
 /// The result of a scan and the true pose.
 struct Observation {
   ScanResult result;
-  Pose2 base_in_map;   ///< true pose at the scan's stamp
+  int lidar = 0;       ///< Scan::lidar
+  Pose2 base_in_map;   ///< true pose at the stamp of the result
   double error = 0.0;  ///< position error, m, of the odometry prediction if the scan was not used;
                        ///< +infinity without an estimate
   double inlier_ratio_from_truth = 0.0;  ///< inlier ratio of the scan at the true pose
@@ -80,7 +81,7 @@ class SimulatedDrive {
         if (const auto* sample = std::get_if<GyroSample>(&event.data)) localizer_.addGyro(*sample);
         if (const auto* sweep = std::get_if<sim::LidarScan>(&event.data)) {
           const Scan scan = sim::toScan(*sweep);
-          queue_.add(scan.stamp, event.arrival, scan);
+          queue_.add(scan.stamp, event.arrival, scan, scan.lidar);
         }
         const auto covers = [this](double stamp) { return localizer_.odometryCovers(stamp); };
         while (std::optional<Scan> scan = queue_.takeReady(event.arrival, covers)) {
@@ -139,7 +140,8 @@ class SimulatedDrive {
   Observation observe(const Scan& scan) {
     Observation observation;
     observation.result = localizer_.update(scan);
-    observation.base_in_map = truthAt(scan.stamp);
+    observation.lidar = scan.lidar;
+    observation.base_in_map = truthAt(observation.result.stamp);
     observation.error = std::numeric_limits<double>::infinity();
     if (const std::optional<Pose2> estimate = estimateAfter(observation.result)) {
       observation.error = distance(*estimate, observation.base_in_map);

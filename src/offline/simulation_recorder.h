@@ -82,7 +82,8 @@ class SimulationRecorder {
   void add(const sim::Event& event) {
     const ros::Time arrival(event.arrival);
     if (const auto* sweep = std::get_if<sim::LidarScan>(&event.data)) {
-      bag_->write("/scan", arrival, toMessage(*sweep, "laser"));
+      bag_->write(std::string("/") + kSimulatedScanTopics[sweep->lidar], arrival,
+                  toMessage(*sweep));
     } else if (const auto* sample = std::get_if<OdometrySample>(&event.data)) {
       bag_->write("/vesc/odom", arrival,
                   toMessage(*sample, parameters_.odometry, "odom", "base_link"));
@@ -99,8 +100,7 @@ class SimulationRecorder {
 
   void writeLidarExtrinsics() {
     tf2_msgs::TFMessage transforms;
-    transforms.transforms = {
-        toTransformMessage(start_time_, parameters_.lidar.laser_in_base, "base_link", "laser")};
+    transforms.transforms = lidarTransforms(parameters_, start_time_);
     const auto header = boost::make_shared<ros::M_string>();
     (*header)["callerid"] = "/simulate_bag";
     (*header)["latching"] = "1";

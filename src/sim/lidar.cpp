@@ -36,6 +36,7 @@ void LidarParameters::validate() const {
 Scan toScan(const LidarScan& sweep) {
   Scan scan;
   scan.stamp = sweep.stamp;
+  scan.lidar = sweep.lidar;
   scan.laser_in_base = sweep.laser_in_base;
   const auto size = static_cast<Eigen::Index>(sweep.ranges.size());
   scan.bearings.resize(size);

@@ -37,6 +37,7 @@ struct LidarParameters {
 
 /// One sweep, as in sensor_msgs/LaserScan. +infinity: no return; -infinity: too close to measure.
 struct LidarScan {
+  int lidar = 0;         ///< 0: in front; 1: the rear lidar
   double stamp = 0.0;    ///< s, of the first beam of the list
   double arrival = 0.0;  ///< s, time of the last beam
   double angle_min = 0.0;

@@ -9,8 +9,11 @@ namespace racecar_mcl::sim {
 namespace {
 
 constexpr double kTicksPerSecond = 1000.0;
-constexpr double kLeavingClearance = 0.01;            // m
-constexpr std::uint64_t kGyroStream = 0x6779726fULL;  // of random numbers, apart from the others
+constexpr double kLeavingClearance = 0.01;  // m
+// Streams of random numbers, apart from the others.
+constexpr std::uint64_t kGyroStream = 0x6779726fULL;
+constexpr std::uint64_t kRearLidarStream = 0x72656172ULL;
+constexpr double kRearLidarPhase = 0.4;  // of its sweeps behind those in front, in periods
 
 const SimulatorParameters& validated(const SimulatorParameters& parameters) {
   parameters.validate();
@@ -22,20 +25,33 @@ const SimulatorParameters& validated(const SimulatorParameters& parameters) {
 void SimulatorParameters::validate() const {
   car.validate();
   lidar.validate();
+  rearLidar().validate();
   odometry.validate();
   gyro.validate();
   requirePositiveUpTo("truth_rate", truth_rate, 1000.0, "Hz");
+}
+
+LidarParameters SimulatorParameters::rearLidar() const {
+  LidarParameters rear = lidar;
+  rear.range_bias = rear_lidar.range_bias;
+  rear.clockwise = rear_lidar.clockwise;
+  rear.laser_in_base = rear_lidar.laser_in_base;
+  return rear;
 }
 
 Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorParameters& parameters,
                      const Pose2& base_in_map, std::uint64_t seed, double start_time)
     : world_(std::move(world)),
       parameters_(validated(parameters)),
-      lidar_(parameters.lidar, Random(seed)(), start_time),
+      lidars_{Lidar(parameters.lidar, Random(seed)(), start_time)},
       odometry_(parameters.odometry, Random(~seed)(), start_time),
       gyro_(parameters.gyro, Random(seed ^ kGyroStream)(), start_time),
       truths_(parameters.truth_rate, start_time),
       start_time_(start_time) {
+  if (parameters.rear_lidar.enabled) {
+    lidars_.emplace_back(parameters.rearLidar(), Random(seed ^ kRearLidarStream)(),
+                         start_time + kRearLidarPhase / parameters.lidar.rate);
+  }
   place(base_in_map);
 }
 
@@ -71,7 +87,10 @@ void Simulator::step(const Command& command, std::vector<Event>& events) {
     events.push_back({sample->stamp, *sample});
   }
   if (const auto sample = gyro_.measure(arc)) events.push_back({sample->stamp, *sample});
-  if (auto sweep = lidar_.measure(arc, *world_, obstacles_)) {
+  for (std::size_t i = 0; i < lidars_.size(); ++i) {
+    std::optional<LidarScan> sweep = lidars_[i].measure(arc, *world_, obstacles_);
+    if (!sweep) continue;
+    sweep->lidar = static_cast<int>(i);
     const double arrival = sweep->arrival;
     events.push_back({arrival, std::move(*sweep)});
   }
@@ -111,7 +130,8 @@ Arc Simulator::move(const Command& command, double begin, double end) {
 void Simulator::setParameters(const SimulatorParameters& parameters) {
   parameters.validate();
   parameters_ = parameters;
-  lidar_.setParameters(parameters.lidar);
+  lidars_.front().setParameters(parameters.lidar);
+  if (lidars_.size() > 1) lidars_.back().setParameters(parameters.rearLidar());
   odometry_.setParameters(parameters.odometry);
   gyro_.setParameters(parameters.gyro);
 }

@@ -14,15 +14,26 @@
 
 namespace racecar_mcl::sim {
 
+/// A second lidar, which differs from the first one in these values.
+struct RearLidarParameters {
+  bool enabled = false;  ///< read at the start only
+  double range_bias = 0.0;
+  bool clockwise = false;
+  Pose2 laser_in_base{-0.1, 0.0, kPi};  ///< facing back
+};
+
 struct SimulatorParameters {
   CarParameters car;
   LidarParameters lidar;
+  RearLidarParameters rear_lidar;
   OdometryParameters odometry;
   GyroParameters gyro;
   double truth_rate = 100.0;  ///< Hz
 
   /// Throws ParameterError, naming the field.
   void validate() const;
+  /// Those of `lidar`, with the values of `rear_lidar`.
+  LidarParameters rearLidar() const;
 };
 
 /// The true state of the car.
@@ -84,7 +95,7 @@ class Simulator {
   std::shared_ptr<const World> world_;
   SimulatorParameters parameters_;
   std::vector<Obstacle> obstacles_;
-  Lidar lidar_;
+  std::vector<Lidar> lidars_;  ///< by LidarScan::lidar
   WheelOdometry odometry_;
   Gyro gyro_;
   PeriodicTimer truths_;

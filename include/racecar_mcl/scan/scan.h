@@ -8,10 +8,14 @@
 
 namespace racecar_mcl {
 
+/// Maximum number of lidars of a car.
+constexpr int kMaxLidars = 8;
+
 /// Valid beams of one sweep. Invalid returns (NaN, -inf, below range_min) were dropped where the
 /// message was converted; +inf (nothing within range) is kept as evidence (REP-117).
 struct Scan {
   double stamp = 0.0;       ///< s, of the first beam
+  int lidar = 0;            ///< index of the lidar that took it, below kMaxLidars
   Pose2 laser_in_base;      ///< mounting pose of the lidar
   Eigen::ArrayXf bearings;  ///< rad, counter-clockwise from the x axis of an upright lidar
   Eigen::ArrayXf ranges;    ///< m; +inf = nothing within range

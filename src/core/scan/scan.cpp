@@ -6,6 +6,7 @@ Scan takeBeams(const Scan& scan, const std::vector<Eigen::Index>& chosen) {
   const auto count = static_cast<Eigen::Index>(chosen.size());
   Scan taken;
   taken.stamp = scan.stamp;
+  taken.lidar = scan.lidar;
   taken.laser_in_base = scan.laser_in_base;
   taken.bearings.resize(count);
   taken.ranges.resize(count);

@@ -8,16 +8,33 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "ros/conversions/message_conversions.h"
 #include "sim/simulator.h"
 
 namespace racecar_mcl {
 
-inline sensor_msgs::LaserScan toMessage(const sim::LidarScan& sweep, const std::string& frame) {
+/// Topics and frames by LidarScan::lidar.
+constexpr const char* kSimulatedScanTopics[] = {"scan", "scan_rear"};
+constexpr const char* kSimulatedLidarFrames[] = {"laser", "laser_rear"};
+
+/// base_link -> lidar, for each lidar of the car.
+inline std::vector<geometry_msgs::TransformStamped> lidarTransforms(
+    const sim::SimulatorParameters& parameters, double stamp) {
+  std::vector<geometry_msgs::TransformStamped> transforms{toTransformMessage(
+      stamp, parameters.lidar.laser_in_base, "base_link", kSimulatedLidarFrames[0])};
+  if (parameters.rear_lidar.enabled) {
+    transforms.push_back(toTransformMessage(stamp, parameters.rear_lidar.laser_in_base, "base_link",
+                                            kSimulatedLidarFrames[1]));
+  }
+  return transforms;
+}
+
+inline sensor_msgs::LaserScan toMessage(const sim::LidarScan& sweep) {
   sensor_msgs::LaserScan message;
   message.header.stamp.fromSec(sweep.stamp);
-  message.header.frame_id = frame;
+  message.header.frame_id = kSimulatedLidarFrames[sweep.lidar];
   message.angle_min = static_cast<float>(sweep.angle_min);
   message.angle_increment = static_cast<float>(sweep.angle_increment);
   message.angle_max = static_cast<float>(

@@ -115,6 +115,11 @@ void visitParameters(Parameters& p, const Visit& visit) {
   visit("scan_dropout", lidar.dropout_rate);
   visit("max_range", lidar.range_max);
   visit("glass", lidar.glass.share);
+
+  auto& rear_lidar = p.simulator.rear_lidar;
+  visit("rear_lidar", rear_lidar.enabled);
+  visit("rear_range_bias", rear_lidar.range_bias);
+  visit("rear_clockwise_scans", rear_lidar.clockwise);
 }
 
 /// Parameters that are not set keep their defaults. Throws ParameterError on an unknown name, a

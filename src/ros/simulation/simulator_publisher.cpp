@@ -14,7 +14,6 @@ const char* const kMap = "map";
 const char* const kOdom = "odom";
 const char* const kBase = "base_link";
 const char* const kTruth = "base_link_truth";
-const char* const kLaser = "laser";
 
 constexpr double kObstacleHeight = 0.4;  // m, of markers; the simulated world is planar
 constexpr double kCarHeight = 0.12;      // m, of the marker
@@ -53,16 +52,19 @@ visualization_msgs::Marker obstacleMarker(const sim::Obstacle& obstacle, int id,
 SimulatorPublisher::SimulatorPublisher(ros::NodeHandle node, ros::NodeHandle private_node,
                                        const SimulatorNodeParameters& parameters,
                                        bool publish_clock)
-    : scan_(node.advertise<sensor_msgs::LaserScan>("scan", 5)),
-      odometry_(node.advertise<nav_msgs::Odometry>("odom", 20)),
+    : odometry_(node.advertise<nav_msgs::Odometry>("odom", 20)),
       imu_(node.advertise<sensor_msgs::Imu>("imu", 50)),
       truth_(node.advertise<nav_msgs::Odometry>("ground_truth/odom", 50)),
       obstacles_(private_node.advertise<visualization_msgs::MarkerArray>("obstacles", 1, true)),
       car_(private_node.advertise<visualization_msgs::Marker>("car", 1, true)),
       collisions_(private_node.advertise<std_msgs::Int32>("collisions", 1, true)) {
   if (publish_clock) clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 100);
-  static_broadcaster_.sendTransform(
-      toTransformMessage(0.0, parameters.simulator.lidar.laser_in_base, kBase, kLaser));
+  const std::vector<geometry_msgs::TransformStamped> lidars =
+      lidarTransforms(parameters.simulator, 0.0);
+  static_broadcaster_.sendTransform(lidars);
+  for (std::size_t i = 0; i < lidars.size(); ++i) {
+    scans_.push_back(node.advertise<sensor_msgs::LaserScan>(kSimulatedScanTopics[i], 5));
+  }
   publishCar(parameters.simulator.car);
   publishCollisions(0);
 }
@@ -76,9 +78,9 @@ void SimulatorPublisher::publishClock(double now) {
 void SimulatorPublisher::publish(const sim::Event& event,
                                  const SimulatorNodeParameters& parameters) {
   if (const auto* sweep = std::get_if<sim::LidarScan>(&event.data)) {
-    auto message = boost::make_shared<sensor_msgs::LaserScan>(toMessage(*sweep, kLaser));
+    auto message = boost::make_shared<sensor_msgs::LaserScan>(toMessage(*sweep));
     message->header.stamp.fromSec(sweep->stamp + delay_);
-    scan_.publish(message);
+    scans_[static_cast<std::size_t>(sweep->lidar)].publish(message);
   } else if (const auto* sample = std::get_if<OdometrySample>(&event.data)) {
     const double stamp = sample->stamp + delay_;
     if (parameters.publish_odom_tf) {

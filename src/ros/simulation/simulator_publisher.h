@@ -11,8 +11,8 @@
 
 namespace racecar_mcl {
 
-/// Frames: odom -> base_link -> laser, and map -> base_link_truth. The localizer adds map -> odom,
-/// or map -> base_link if publish_odom_tf is off.
+/// Frames: odom -> base_link -> laser and laser_rear, and map -> base_link_truth. The localizer
+/// adds map -> odom, or map -> base_link if publish_odom_tf is off.
 class SimulatorPublisher {
  public:
   SimulatorPublisher(ros::NodeHandle node, ros::NodeHandle private_node,
@@ -36,7 +36,8 @@ class SimulatorPublisher {
   void publishCar(const sim::CarParameters& car);
 
   double delay_ = 0.0;
-  ros::Publisher clock_, scan_, odometry_, imu_, truth_, obstacles_, car_, collisions_;
+  std::vector<ros::Publisher> scans_;  ///< by sim::LidarScan::lidar
+  ros::Publisher clock_, odometry_, imu_, truth_, obstacles_, car_, collisions_;
   tf2_ros::TransformBroadcaster broadcaster_;
   tf2_ros::StaticTransformBroadcaster static_broadcaster_;
 };

@@ -93,6 +93,28 @@ TEST(Simulator, EventsComeInTheOrderOfTheirArrivalAtTheirRates) {
   EXPECT_NEAR(only<LidarScan>(events)[3].arrival, 1000.09375, 1e-9);
 }
 
+TEST(Simulator, ARearLidarFacesBackAndLeavesTheOtherSensorsAlone) {
+  SimulatorParameters two;
+  two.rear_lidar.enabled = true;
+  two.rear_lidar.range_bias = 0.5;
+  std::vector<LidarScan> front, rear;
+  for (const LidarScan& scan : only<LidarScan>(run(5, 0.01, two))) {
+    (scan.lidar == 0 ? front : rear).push_back(scan);
+  }
+  const auto alone = only<LidarScan>(run(5, 0.01));
+  ASSERT_EQ(front.size(), alone.size());
+  EXPECT_EQ(front.back().ranges, alone.back().ranges);
+  ASSERT_EQ(rear.size(), 39u);
+  EXPECT_EQ(rear[0].laser_in_base.yaw, kPi);
+  EXPECT_NEAR(rear[0].stamp, 1000.01, 1e-9);
+  EXPECT_EQ(toScan(rear[0]).lidar, 1);
+  // Walls 8 m apart, measured in opposite directions on one line.
+  const double behind = static_cast<double>(rear[0].ranges[540]);
+  const double ahead = static_cast<double>(front[0].ranges[540]);
+  const double room = 8.0 / std::cos(kStart.yaw);
+  EXPECT_NEAR(ahead + 0.27 + behind + 0.1, room + 0.5, 0.1);
+}
+
 TEST(Simulator, TruthIsWhereTheCarWasAtTheStamp) {
   SimulatorParameters parameters;
   parameters.truth_rate = 97.0;  // not a multiple of the simulation step
