@@ -90,7 +90,7 @@ MotionSampler readMotions(const Options& o, const BagReader& bags, const Traject
   } else {
     const TfFrames frames{o.odom_frame, o.base_frame, parameters.clock_jump};
     // No scans.
-    bags.forEach({"", ""}, frames, [&](const BagEvent& event) {
+    bags.forEach({{}, ""}, frames, [&](const BagEvent& event) {
       if (event.odometry) take(*event.odometry);
     });
   }

@@ -1,6 +1,8 @@
 // The option --laser-pose of the programs that read bags.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "offline/bag_reader.h"
@@ -17,6 +19,24 @@ inline LidarExtrinsics lidarExtrinsics(const std::string& laser_pose, const BagR
   const Pose2 laser_in_base = parsePose("--laser-pose", laser_pose);
   requireOnCar(laser_in_base);
   return {laser_in_base, false};
+}
+
+/// The pose of each lidar by its frame, from --laser-pose, which is that of one lidar, or from the
+/// bag's tf. The bags must outlive the function. Throws as lidarExtrinsics, now or when called.
+inline std::function<LidarExtrinsics(const std::string& frame)> lidarExtrinsicsByFrame(
+    const std::string& laser_pose, const BagReader& bags, const std::string& base_frame) {
+  if (laser_pose.empty()) {
+    return [&bags, base_frame](const std::string& frame) {
+      return bags.extrinsicsOf(frame, base_frame);
+    };
+  }
+  return [extrinsics = lidarExtrinsics(laser_pose, bags, "", base_frame),
+          first = std::optional<std::string>()](const std::string& frame) mutable {
+    if (!first) first = frame;
+    if (frame == *first) return extrinsics;
+    throw BagError("--laser-pose is the pose of one lidar; the scans have the frames '" +
+                   printable(*first) + "' and '" + printable(frame) + "'");
+  };
 }
 
 }  // namespace racecar_mcl

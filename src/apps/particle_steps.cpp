@@ -61,7 +61,7 @@ struct Excerpt {
 Excerpt readExcerpt(const BagReader& bag, const Options& o, double begin) {
   const LidarExtrinsics extrinsics = bag.lidarExtrinsics(o.scan_topic, o.base_frame);
   Excerpt excerpt;
-  bag.forEach({o.scan_topic, o.odom_topic}, [&](const BagEvent& event) {
+  bag.forEach({{o.scan_topic}, o.odom_topic}, [&](const BagEvent& event) {
     if (excerpt.second) return;
     if (event.odometry) {
       excerpt.odometry.push_back(toOdometrySample(*event.odometry));

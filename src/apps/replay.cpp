@@ -103,7 +103,7 @@ void replay(const Options& o) {
                                    o.seed,
                                    RACECAR_MCL_VERSION,
                                    localizer.counters(),
-                                   localizer.scanDirection().word(),
+                                   localizer.sensorCalibration(),
                                    toString(localizer.calibration().gyro().use())};
   writeReport(o.out, record, summaryJson(record, description, errors));
   if (video) video->finish();

@@ -24,7 +24,7 @@ struct ReplayOptions {
   bool global = false;
   std::string truth;
   std::uint64_t seed = 1;
-  std::string scan_topic = "/scan";
+  std::vector<std::string> scan_topics{"/scan"};
   std::string odom_topic = "/vesc/odom";
   std::string imu_topic;
   std::string odom_frame = "odom";
@@ -50,7 +50,10 @@ inline void addReplayOptions(ReplayOptions* o, CLI::App* app) {
   pose->excludes(from_truth);
   app->add_option("--truth", o->truth, "ground truth, a TUM file");
   app->add_option("--seed", o->seed, "random seed")->capture_default_str();
-  app->add_option("--scan-topic", o->scan_topic, "sensor_msgs/LaserScan")->capture_default_str();
+  app->add_option("--scan-topic", o->scan_topics,
+                  "sensor_msgs/LaserScan; several for several lidars")
+      ->delimiter(' ')
+      ->capture_default_str();
   app->add_option("--odom-topic", o->odom_topic, "nav_msgs/Odometry")->capture_default_str();
   app->add_option("--imu-topic", o->imu_topic, "sensor_msgs/Imu, for its gyro [none]");
   app->add_option("--odom-frame", o->odom_frame, "odometry frame, with --motion-from tf")

@@ -28,7 +28,7 @@ namespace racecar_mcl {
 struct PreparedReplay {
   LocalizerParameters parameters;
   std::unique_ptr<Localizer> localizer;
-  BagReader bags;
+  std::unique_ptr<const BagReader> bags;  ///< the input refers to it
   std::optional<Trajectory> truth;
   ReplayInput input;
 };
@@ -80,16 +80,21 @@ inline void useImu(const ReplayOptions& o, const std::string& program, const Bag
 
 inline ReplayInput replayInput(const ReplayOptions& o, const std::string& program,
                                const LocalizerParameters& parameters, const BagReader& bags) {
-  bags.requireTopic(o.scan_topic, "sensor_msgs/LaserScan", "--scan-topic");
+  for (const std::string& topic : o.scan_topics) {
+    bags.requireTopic(topic, "sensor_msgs/LaserScan", "--scan-topic");
+  }
   ReplayInput input;
-  input.scan_topic = o.scan_topic;
+  input.scan_topics = o.scan_topics;
   input.odometry_topic = o.odom_topic;
   if (parameters.odometry.motion_from == MotionFrom::kTf) {
     input.odometry_from_tf = {o.odom_frame, o.base_frame, parameters.odometry.clock_jump};
   } else {
     bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
   }
-  input.extrinsics = lidarExtrinsics(o.laser_pose, bags, o.scan_topic, o.base_frame);
+  input.extrinsics_of = lidarExtrinsicsByFrame(o.laser_pose, bags, o.base_frame);
+  for (const std::string& topic : o.scan_topics) {
+    lidarExtrinsics(o.laser_pose, bags, topic, o.base_frame);  // throws at once, not in the drive
+  }
   if (!o.imu_topic.empty()) useImu(o, program, bags, &input);
   return input;
 }
@@ -99,10 +104,10 @@ inline PreparedReplay prepareReplay(const ReplayOptions& o, const std::string& p
   const LocalizerParameters parameters = parametersOf(o);
   auto localizer = std::make_unique<Localizer>(parameters, o.seed);
   localizer->setMap(makeLocalizationMap(loadMap(o.map), parameters));
-  BagReader bags(o.bags, o.span);
-  ReplayInput input = replayInput(o, program, parameters, bags);
-  std::optional<Trajectory> truth = readTruth(o, bags);
-  input.start = start(o, bags, truth, localizer.get());
+  auto bags = std::make_unique<const BagReader>(o.bags, o.span);
+  ReplayInput input = replayInput(o, program, parameters, *bags);
+  std::optional<Trajectory> truth = readTruth(o, *bags);
+  input.start = start(o, *bags, truth, localizer.get());
   return {parameters, std::move(localizer), std::move(bags), std::move(truth), std::move(input)};
 }
 
@@ -112,16 +117,16 @@ inline ReplayRecord runReplay(const ReplayOptions& o, const std::string& program
                               const std::vector<ReplayObserver*>& observers) {
   std::unique_ptr<ProgressBar> bar;
   if (isatty(STDERR_FILENO) != 0) {
-    std::vector<std::string> topics{o.scan_topic,
-                                    prepared.input.odometry_from_tf ? "/tf" : o.odom_topic};
+    std::vector<std::string> topics = o.scan_topics;
+    topics.push_back(prepared.input.odometry_from_tf ? "/tf" : o.odom_topic);
     if (!o.imu_topic.empty()) topics.push_back(o.imu_topic);
-    bar = std::make_unique<ProgressBar>(prepared.bags.count(topics), std::cerr, "");
+    bar = std::make_unique<ProgressBar>(prepared.bags->count(topics), std::cerr, "");
   }
   const auto progress = [&] {
     if (bar) ++*bar;
   };
   ReplayRecord record =
-      runReplay(prepared.bags, prepared.input, prepared.localizer.get(), progress, observers);
+      runReplay(*prepared.bags, prepared.input, prepared.localizer.get(), progress, observers);
   warnAboutDroppedMessages(program, record);
   warnAboutImu(program, record, prepared.localizer->calibration().gyro());
   return record;

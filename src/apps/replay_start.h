@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "evaluation/trajectory.h"
 #include "offline/bag_reader.h"
@@ -46,14 +47,20 @@ inline std::optional<TimedStart> startFromTruth(const std::optional<Trajectory>&
   return start;
 }
 
+inline Nanoseconds firstScanStamp(const ReplayOptions& o, const BagReader& bags) {
+  std::vector<Nanoseconds> stamps;
+  for (const std::string& topic : o.scan_topics) stamps.push_back(bags.firstScanStamp(topic));
+  return *std::min_element(stamps.begin(), stamps.end());
+}
+
 /// Initializes the localizer, or returns a start at a later time.
 inline std::optional<TimedStart> start(const ReplayOptions& o, const BagReader& bags,
                                        const std::optional<Trajectory>& truth,
                                        Localizer* localizer) {
   if (o.initial_pose_from_truth) {
     const bool at_beginning = o.span.start == 0.0;
-    return startFromTruth(truth, at_beginning ? std::numeric_limits<Nanoseconds>::min()
-                                              : bags.firstScanStamp(o.scan_topic));
+    return startFromTruth(
+        truth, at_beginning ? std::numeric_limits<Nanoseconds>::min() : firstScanStamp(o, bags));
   }
   if (!o.initial_pose.empty()) {
     localizer->initialize({parsePose("--initial-pose", o.initial_pose), Eigen::Matrix3d::Zero()});

@@ -186,7 +186,7 @@ void BagReader::forEach(const BagTopics& topics, const TfFrames& frames,
   const auto odometry_of = [&](const rosbag::MessageInstance& instance) {
     return odometry->add(*readMessage<tf2_msgs::TFMessage>(instance), false);
   };
-  forEach({topics.scan, "/tf", topics.imu}, odometry_of, visit);
+  forEach({topics.scans, "/tf", topics.imu}, odometry_of, visit);
 }
 
 std::unique_ptr<TfOdometry> BagReader::tfOdometry(const TfFrames& frames) const {
@@ -224,7 +224,12 @@ void BagReader::forEach(
     const std::function<void(const BagEvent&)>& visit) const {
   // Scans are delayed until all other messages with the same record time have been visited.
   std::vector<BagEvent> scans;
-  std::vector<std::string> names{topics.scan, topics.odometry};
+  std::vector<std::string> names = topics.scans;
+  names.push_back(topics.odometry);
+  const auto is_scan = [&](const std::string& topic) {
+    return std::any_of(topics.scans.begin(), topics.scans.end(),
+                       [&](const std::string& known) { return sameTopic(topic, known); });
+  };
   if (!topics.imu.empty()) names.push_back(topics.imu);
   const auto flush = [&] {
     for (const BagEvent& scan : scans) visit(scan);
@@ -234,8 +239,9 @@ void BagReader::forEach(
     BagEvent event;
     event.recorded = instance.getTime();
     if (!scans.empty() && event.recorded != scans.front().recorded) flush();
-    if (sameTopic(instance.getTopic(), topics.scan)) {
+    if (is_scan(instance.getTopic())) {
       event.scan = readMessage<sensor_msgs::LaserScan>(instance);
+      event.scan_topic = instance.getTopic();
       scans.push_back(event);
     } else if (!topics.imu.empty() && sameTopic(instance.getTopic(), topics.imu)) {
       event.imu = readMessage<sensor_msgs::Imu>(instance);
@@ -315,15 +321,22 @@ std::optional<geometry_msgs::Transform> BagReader::transformOf(const std::string
   return std::nullopt;
 }
 
+std::string BagReader::scanFrame(const std::string& topic) const {
+  return stripLeadingSlash(firstScan(topic)->header.frame_id);
+}
+
 LidarExtrinsics BagReader::lidarExtrinsics(const std::string& scan_topic,
                                            const std::string& base_frame) const {
-  const std::string laser_frame = stripLeadingSlash(firstScan(scan_topic)->header.frame_id);
+  const std::string frame = scanFrame(scan_topic);
+  if (!frame.empty()) return extrinsicsOf(frame, base_frame);
+  throw BagError(names() + ": the scans on " + printable(scan_topic) +
+                 " have no frame_id, so that tf does not have the lidar's pose; set it with "
+                 "--laser-pose");
+}
+
+LidarExtrinsics BagReader::extrinsicsOf(const std::string& laser_frame,
+                                        const std::string& base_frame) const {
   const std::string base = stripLeadingSlash(base_frame);
-  if (laser_frame.empty()) {
-    throw BagError(names() + ": the scans on " + printable(scan_topic) +
-                   " have no frame_id, so that tf does not have the lidar's pose; set it with "
-                   "--laser-pose");
-  }
   std::string frames;
   if (const auto transform = transformOf(laser_frame, base, &frames)) {
     return toLidarExtrinsics(*transform);

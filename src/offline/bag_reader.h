@@ -34,12 +34,13 @@ inline Nanoseconds toNanoseconds(const ros::Time& time) {
 struct BagEvent {
   ros::Time recorded;
   sensor_msgs::LaserScan::ConstPtr scan;
+  std::string scan_topic;
   nav_msgs::Odometry::ConstPtr odometry;
   sensor_msgs::Imu::ConstPtr imu;
 };
 
 struct BagTopics {
-  std::string scan;
+  std::vector<std::string> scans;
   std::string odometry;  ///< not used if the odometry is from tf
   std::string imu = {};  ///< empty: none
 };
@@ -98,6 +99,10 @@ class BagReader {
   /// if there is no such transform; names the frames the bags contain.
   LidarExtrinsics lidarExtrinsics(const std::string& scan_topic,
                                   const std::string& base_frame) const;
+  /// The same of the lidar with this frame.
+  LidarExtrinsics extrinsicsOf(const std::string& laser_frame, const std::string& base_frame) const;
+  /// The frame of the first scan, without a leading slash. Throws BagError if there is none.
+  std::string scanFrame(const std::string& topic) const;
   /// The rotation of the IMU in `base_frame`, from /tf_static and, if necessary, /tf; none without
   /// a transform.
   std::optional<geometry_msgs::Quaternion> imuRotation(const std::string& imu_topic,

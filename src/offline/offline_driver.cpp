@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <map>
+#include <stdexcept>
 
 #include "racecar_mcl/localizer/scan_queue.h"
 
@@ -59,7 +60,7 @@ class OfflineDriver {
  public:
   OfflineDriver(const ReplayInput& input, Localizer* localizer,
                 const std::vector<ReplayObserver*>& observers)
-      : extrinsics_(input.extrinsics),
+      : extrinsics_of_(input.extrinsics_of),
         imu_rotation_(input.imu_rotation),
         localizer_(localizer),
         observers_(observers),
@@ -73,7 +74,7 @@ class OfflineDriver {
       processOverdueScans();
       addOdometry(*event.odometry);
     } else {
-      enqueue(*event.scan);
+      enqueue(*event.scan, event.scan_topic);
     }
     processReadyScans();
     observe([this](ReplayObserver* observer) { observer->onMessage(*localizer_); });
@@ -86,6 +87,7 @@ class OfflineDriver {
     while (std::optional<QueuedScan> queued = queue_.take()) processScan(*queued);
     observe([this](ReplayObserver* observer) { observer->onMessage(*localizer_); });
     record_.trajectory = trajectory_.build();
+    record_.lidars = lidars_.lidars();
     return std::move(record_);
   }
 
@@ -112,14 +114,32 @@ class OfflineDriver {
     }
   }
 
-  void enqueue(const sensor_msgs::LaserScan& message) {
+  /// Reads the bags once for each frame.
+  const LidarExtrinsics& extrinsicsOf(const std::string& frame) {
+    if (const auto problem = unknown_frames_.find(frame); problem != unknown_frames_.end()) {
+      throw MessageError(problem->second);
+    }
+    const auto known = extrinsics_.find(frame);
+    if (known != extrinsics_.end()) return known->second;
+    try {
+      return extrinsics_[frame] = extrinsics_of_(frame);
+    } catch (const std::runtime_error& error) {
+      unknown_frames_[frame] = error.what();
+      throw MessageError(error.what());
+    }
+  }
+
+  void enqueue(const sensor_msgs::LaserScan& message, const std::string& topic) {
     ++record_.scans_seen;
     if (message.header.stamp.isZero()) return recordDrop("scan", kNoStamp);
     const bool deskew = localizer_->parameters().scan.deskew;
     try {
-      QueuedScan queued{toNanoseconds(message.header.stamp), toScan(message, extrinsics_, deskew)};
+      const std::string frame = stripLeadingSlash(message.header.frame_id);
+      QueuedScan queued{toNanoseconds(message.header.stamp),
+                        toScan(message, extrinsicsOf(frame), deskew)};
+      const int lidar = queued.scan.lidar = lidars_.add(frame, topic);
       const double stamp = queued.scan.stamp;
-      queue_.add(stamp, now_, std::move(queued));
+      queue_.add(stamp, now_, std::move(queued), lidar);
     } catch (const MessageError& error) {
       recordDrop("scan", error.what());
     }
@@ -147,8 +167,11 @@ class OfflineDriver {
       record_.clock_problem = problem;
     }
     if (hasEstimate(result.outcome)) {
-      trajectory_.addFromScan(queued.stamp, result.update.estimate.base_in_map);
-      record_.scans.push_back({queued.stamp, std::move(result), update_ms});
+      // A newer scan of another lidar may have been used before.
+      newest_used_ = result.stamp > queued.scan.stamp ? newest_used_ : queued.stamp;
+      trajectory_.addFromScan(newest_used_, result.update.estimate.base_in_map);
+      lidars_.countUsed(queued.scan.lidar);
+      record_.scans.push_back({newest_used_, queued.scan.lidar, std::move(result), update_ms});
       observe([&](ReplayObserver* observer) {
         observer->onScan(queued.scan, record_.scans.back(), *localizer_);
       });
@@ -173,7 +196,10 @@ class OfflineDriver {
     observed_seconds_ += secondsSince(start);
   }
 
-  LidarExtrinsics extrinsics_;
+  std::function<LidarExtrinsics(const std::string&)> extrinsics_of_;
+  std::map<std::string, LidarExtrinsics> extrinsics_;  ///< by frame
+  std::map<std::string, std::string> unknown_frames_;  ///< with the reason
+  LidarRegistry lidars_;
   geometry_msgs::Quaternion imu_rotation_;
   Localizer* localizer_;
   std::vector<ReplayObserver*> observers_;
@@ -181,6 +207,7 @@ class OfflineDriver {
   DelayedInitializer initializer_;
   ScanQueue<QueuedScan> queue_;
   TrajectoryBuilder trajectory_;
+  Nanoseconds newest_used_ = 0;  ///< stamp of the newest scan with an estimate
   ReplayRecord record_;
   double now_ = 0.0;
 };
@@ -200,7 +227,7 @@ ReplayRecord runReplay(const BagReader& bags, const ReplayInput& input, Localize
     driver.add(event);
     progress();
   };
-  const BagTopics topics{input.scan_topic, input.odometry_topic, input.imu_topic};
+  const BagTopics topics{input.scan_topics, input.odometry_topic, input.imu_topic};
   if (input.odometry_from_tf) {
     bags.forEach(topics, *input.odometry_from_tf, add);
   } else {

@@ -10,6 +10,7 @@
 #include "evaluation/trajectory.h"
 #include "offline/bag_reader.h"
 #include "racecar_mcl/localizer/localizer.h"
+#include "ros/localization/lidar_registry.h"
 
 namespace racecar_mcl {
 
@@ -20,18 +21,20 @@ struct TimedStart {
 };
 
 struct ReplayInput {
-  std::string scan_topic;
+  std::vector<std::string> scan_topics;
   std::string odometry_topic;
   std::string imu_topic = {};                ///< empty: no gyro
   geometry_msgs::Quaternion imu_rotation;    ///< of the IMU in the base frame
   std::optional<TfFrames> odometry_from_tf;  ///< instead of from the topic
-  LidarExtrinsics extrinsics;
+  /// Of the lidar with a frame. Throws std::runtime_error if they are unknown.
+  std::function<LidarExtrinsics(const std::string& frame)> extrinsics_of;
   std::optional<TimedStart> start;  ///< empty if the localizer is already initialized
 };
 
 /// A scan with an estimate.
 struct ScanRow {
-  Nanoseconds stamp = 0;
+  Nanoseconds stamp = 0;  ///< of the estimate; another lidar's scan may be newer than this one
+  int lidar = 0;          ///< Scan::lidar
   ScanResult result;
   double update_ms = 0.0;
 };
@@ -39,6 +42,7 @@ struct ScanRow {
 struct ReplayRecord {
   Trajectory trajectory;       ///< at every odometry message and scan; scans take precedence
   std::vector<ScanRow> scans;  ///< in the order of processing
+  std::vector<RegisteredLidar> lidars;  ///< by Scan::lidar
   std::size_t scans_seen = 0;
   std::map<std::string, std::size_t> dropped;  ///< numbers of messages by reason, for logs
   std::string clock_problem;                   ///< see clockProblem; empty if there was none

@@ -79,7 +79,17 @@ std::string summaryJson(const ReplayRecord& record, const ReplayMetadata& descri
   if (description.parameters.sensor.sensor_model == SensorModelType::kBeam) {
     json["range_method"] = description.parameters.sensor.caster.range_method;
   }
-  json["scan_direction"] = description.scan_direction;
+  json["scan_direction"] = scanDirectionName(description.sensors.lidars.front().scan_reversed);
+  for (std::size_t i = 0; i < record.lidars.size(); ++i) {
+    const RegisteredLidar& lidar = record.lidars[i];
+    const LidarCalibration calibration =
+        i < description.sensors.lidars.size() ? description.sensors.lidars[i] : LidarCalibration{};
+    json["lidars"].push_back({{"frame", lidar.frame},
+                              {"topic", lidar.topic},
+                              {"scans_used", lidar.scans_used},
+                              {"range_bias_m", calibration.range_bias},
+                              {"scan_direction", scanDirectionName(calibration.scan_reversed)}});
+  }
   json["gyro"] = description.gyro;
   json["seed"] = description.seed;
   json["version"] = description.version;
@@ -121,7 +131,7 @@ std::string updatesCsv(const ReplayRecord& record) {
       "beams,particles,log_likelihood,resampled,outcome,update_ms,clusters,inlier_ratio,obstructed,"
       "contradicted,unmapped,conflict,carried,range_bias,distance_scale,turn_scale,turned_by_gyro,"
       "level_along,level_across,level_heading,"
-      "localizability_along,localizability_across,localizability_heading,status,reason\n";
+      "localizability_along,localizability_across,localizability_heading,lidar,status,reason\n";
   for (const ScanRow& row : record.scans) {
     const UpdateResult& update = row.result.update;
     const Pose2& pose = update.estimate.base_in_map;
@@ -133,7 +143,7 @@ std::string updatesCsv(const ReplayRecord& record) {
     std::snprintf(line, sizeof(line),
                   "%s,%.9f,%.9f,%.12f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.3f,%d,%d,%.9g,%d,"
                   "%s,%.4f,%zu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.4f,%.4f,%.4f,%d,%.4f,%.4f,%.5f,%.4f,"
-                  "%.4f,%.5f,%s,%s\n",
+                  "%.4f,%.5f,%d,%s,%s\n",
                   formatStamp(row.stamp).c_str(), pose.x, pose.y, pose.yaw, cov(0, 0), cov(0, 1),
                   cov(0, 2), cov(1, 1), cov(1, 2), cov(2, 2), update.effective_sample_size,
                   update.beams, update.particles, update.log_likelihood, update.resampled ? 1 : 0,
@@ -142,7 +152,7 @@ std::string updatesCsv(const ReplayRecord& record) {
                   status.conflict, status.carried, row.result.range_bias, row.result.distance_scale,
                   row.result.turn_scale, row.result.turned_by_gyro ? 1 : 0, level.along,
                   level.across, level.heading, status.localizability.along,
-                  status.localizability.across, status.localizability.heading,
+                  status.localizability.across, status.localizability.heading, row.lidar,
                   toString(status.state).c_str(), status.reason.c_str());
     text += line;
   }

@@ -18,8 +18,8 @@ struct ReplayMetadata {
   std::uint64_t seed = 0;
   std::string version;
   LocalizerCounters counters;
-  std::string scan_direction;  ///< as detected by the end
-  std::string gyro;            ///< its use at the end
+  SensorCalibration sensors;  ///< as estimated by the end
+  std::string gyro;           ///< its use at the end
 };
 
 /// The summary as JSON; includes errors if there is a ground truth.

@@ -13,7 +13,9 @@ namespace {
 
 SavedPose savedPose() {
   SavedPose pose{"one map", {1.0, 2.0, 0.5}, OdometryPose{100.0, {10.0, 0.0, 0.0}}, {}};
-  pose.sensors = SensorCalibration{{0.98, 0.01, {1.2, -0.02, 0.1}}, 0.03, true};
+  pose.sensors = SensorCalibration{{0.98, 0.01, {1.2, -0.02, 0.1}},
+                                   {{0.03, true}, {0.2, false}, {-0.01, false}}};
+  pose.lidar_frames = {"laser", "", "rear \"laser\": {1}"};
   return pose;
 }
 
@@ -36,8 +38,12 @@ TEST(PoseFile, ReturnsWhatWasWritten) {
   EXPECT_EQ(read->sensors->odometry.turn.scale, 1.2);
   EXPECT_EQ(read->sensors->odometry.turn.offset, -0.02);
   EXPECT_EQ(read->sensors->odometry.turn.delay, 0.1);
-  EXPECT_EQ(read->sensors->range_bias, 0.03);
-  EXPECT_TRUE(read->sensors->scan_reversed);
+  EXPECT_EQ(read->lidar_frames, (std::vector<std::string>{"laser", "rear \"laser\": {1}"}));
+  ASSERT_EQ(read->sensors->lidars.size(), 2U);
+  EXPECT_EQ(read->sensors->lidars[0].range_bias, 0.03);
+  EXPECT_TRUE(read->sensors->lidars[0].scan_reversed);
+  EXPECT_EQ(read->sensors->lidars[1].range_bias, -0.01);
+  EXPECT_FALSE(read->sensors->lidars[1].scan_reversed);
   // Nothing but the file is left.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
@@ -83,6 +89,19 @@ TEST(PoseFile, NeedsNoCalibration) {
   const std::string path = (folder.path() / "pose.yaml").string();
   std::ofstream(path) << "map: one\nbase_in_map: [1, 2, 3]\n";
   EXPECT_FALSE(readPoseFile(path)->sensors);
+}
+
+TEST(PoseFile, OfAnEarlierVersionHasTheCalibrationOfOneLidar) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder.path() / "pose.yaml").string();
+  std::ofstream(path) << "map: one\nbase_in_map: [1, 2, 3]\ncalibration:\n  distance_scale: 1\n"
+                         "  odometry_delay: 0\n  turn_scale: 1\n  turn_offset: 0\n  turn_delay: 0\n"
+                         "  range_bias: 0.02\n  scan_reversed: true\n";
+  const std::optional<SavedPose> pose = readPoseFile(path);
+  EXPECT_TRUE(pose->lidar_frames.empty());
+  ASSERT_EQ(pose->sensors->lidars.size(), 1U);
+  EXPECT_EQ(pose->sensors->lidars[0].range_bias, 0.02);
+  EXPECT_TRUE(pose->sensors->lidars[0].scan_reversed);
 }
 
 TEST(ResumedPose, MovesWithOdometryThatHasRunOn) {

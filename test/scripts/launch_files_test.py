@@ -120,6 +120,18 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(remaps["scan"], "/scan")
         self.assertEqual(remaps["odom"], "/wheels")
 
+    def testSeveralScanTopicsAreAParameter(self):
+        self.assertIsNone(parameter(load("localize.launch"), "/localization/scan_topics"))
+        config = load("localize.launch", scan_topic="/front /rear")
+        self.assertEqual(parameter(config, "/localization/scan_topics"), "/front /rear")
+        config = load("replay_bag.launch", bag=self.bag, scan_topic="/front /rear")
+        self.assertEqual(parameter(config, "/localization/scan_topics"), "/front /rear")
+
+    def testTheRearLidarOfTheSimulatedCarIsUsed(self):
+        config = load("simulate.launch", localize="true", rear_lidar="true")
+        self.assertTrue(parameter(config, "/simulator/rear_lidar"))
+        self.assertEqual(parameter(config, "/localization/scan_topics"), "/scan /scan_rear")
+
     def testArgumentsOverrideTheConfigAndEmptyOnesDoNot(self):
         mine = self.folder / "mine.yaml"
         mine.write_text("tf_mode: map_to_odom\nnum_particles: 321\n", encoding="utf-8")

@@ -37,7 +37,7 @@ void append(const ScanResult& result, const Localizer& localizer, std::ostream* 
         << result.update.particles << ' ' << static_cast<int>(status.state) << ' ' << status.reason
         << ' ' << status.inlier_ratio << ' ' << status.disagreement << ' ' << status.level.along
         << ' ' << status.level.across << ' ' << status.level.heading << ' ' << result.range_bias
-        << ' ' << static_cast<int>(localizer.scanDirection().isReversed()) << '\n';
+        << ' ' << static_cast<int>(localizer.lidars().front().direction.isReversed()) << '\n';
 }
 
 /// The drive: wheel slip, silent odometry, a clock that is set back, odometry that says stop, a

@@ -19,7 +19,7 @@ class RangeBiasDriveTest : public ::testing::TestWithParam<const char*> {
     SimulatedDrive drive(course_, parameters_, simulator, start, 3.0, 5);
     drive.localizer().initialize({start, Eigen::Matrix3d::Zero()});
     drive.drive(seconds, [](const Observation&) {});
-    return drive.localizer().sensorCalibration().range_bias;
+    return drive.localizer().lidars().front().range_bias.bias();
   }
 
   LocalizerParameters parameters_;

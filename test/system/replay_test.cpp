@@ -35,12 +35,25 @@ TEST_F(Replay, localizesAndSaysHowWell) {
 
   std::vector<std::string> keys;
   for (const auto& item : all.items()) keys.push_back(item.key());
-  const std::vector<std::string> expected{
-      "duration_s",     "gyro",           "heading_error_deg",    "num_beams",
-      "num_particles",  "odometry_seen",  "position_error_m",     "real_time_factor",
-      "scan_direction", "scans_seen",     "scans_used",           "seed",
-      "sensor_model",   "status_percent", "truth_stamps_skipped", "truth_stamps_used",
-      "update_ms",      "version"};
+  const std::vector<std::string> expected{"duration_s",
+                                          "gyro",
+                                          "heading_error_deg",
+                                          "lidars",
+                                          "num_beams",
+                                          "num_particles",
+                                          "odometry_seen",
+                                          "position_error_m",
+                                          "real_time_factor",
+                                          "scan_direction",
+                                          "scans_seen",
+                                          "scans_used",
+                                          "seed",
+                                          "sensor_model",
+                                          "status_percent",
+                                          "truth_stamps_skipped",
+                                          "truth_stamps_used",
+                                          "update_ms",
+                                          "version"};
   EXPECT_EQ(keys, expected);
   for (const char* key : {"mean", "median", "p95", "max", "rmse", "final"}) {
     EXPECT_TRUE(all["position_error_m"][key].is_number()) << key;
@@ -60,12 +73,13 @@ TEST_F(Replay, localizesAndSaysHowWell) {
   EXPECT_EQ(trajectory.front().stamp, 1500000000000000000);
   const std::vector<std::string> updates = linesOf(readWhole(path("out/updates.csv")));
   ASSERT_EQ(updates.size(), 42u);
-  EXPECT_EQ(updates[0],
-            "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,"
-            "effective_sample_size,beams,particles,log_likelihood,resampled,outcome,update_ms,"
-            "clusters,inlier_ratio,obstructed,contradicted,unmapped,conflict,carried,range_bias,"
-            "distance_scale,turn_scale,turned_by_gyro,level_along,level_across,level_heading,"
-            "localizability_along,localizability_across,localizability_heading,status,reason");
+  EXPECT_EQ(
+      updates[0],
+      "stamp,x,y,yaw,cov_xx,cov_xy,cov_xyaw,cov_yy,cov_yyaw,cov_yawyaw,"
+      "effective_sample_size,beams,particles,log_likelihood,resampled,outcome,update_ms,"
+      "clusters,inlier_ratio,obstructed,contradicted,unmapped,conflict,carried,range_bias,"
+      "distance_scale,turn_scale,turned_by_gyro,level_along,level_across,level_heading,"
+      "localizability_along,localizability_across,localizability_heading,lidar,status,reason");
   EXPECT_EQ(updates[1].substr(0, 21), "1500000000.000000000,");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -72,8 +73,9 @@ class ParticleFilter {
   /// Takes a new set, with equal weights, and restarts the regularization.
   const UpdateResult& startFrom(ParticleSet particles, bool converged);
   void requireStart() const;
-  /// The exponent of a scan's likelihood after the motion since the last scan.
-  double decorrelationExponent(double distance) const;
+  /// The exponent of a scan's likelihood after the motion since the last scan of its lidar; none
+  /// before the first.
+  double decorrelationExponent(const std::optional<Motion>& moved, double distance) const;
   /// The exponent of a scan's likelihood by its inlier ratio at the most likely particle.
   double informationExponent(const MapView& map, const Scan& scan);
   /// Raises the likelihoods to `exponent`; tempers them as well until the set has converged.
@@ -102,8 +104,9 @@ class ParticleFilter {
   int regularization_updates_left_ = 0;
   std::int64_t converged_updates_ = 0;  ///< updates since the set converged
   bool converged_ = true;
-  bool resize_is_due_ = false;   ///< num_particles has changed since the last resampling
-  std::optional<Motion> moved_;  ///< motion since the last scan; none before the first
+  bool resize_is_due_ = false;  ///< num_particles has changed since the last resampling
+  /// Motion since the last scan of each lidar; none before a motion.
+  std::array<std::optional<Motion>, kMaxLidars> moved_;
   // Reused from update to update, so that tracking allocates nothing.
   UpdateResult result_;
   ScanLikelihood scan_likelihood_;

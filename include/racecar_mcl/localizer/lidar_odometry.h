@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <deque>
 #include <optional>
 
@@ -16,8 +17,8 @@
 namespace racecar_mcl {
 
 /// Scan-to-local-map matching by a particle filter. The local map holds the end points of the last
-/// keyframes. Odometry is the prior, so that a direction which the scans do not observe (along a
-/// corridor) keeps the odometry's motion and noise.
+/// keyframes of each lidar. Odometry is the prior, so that a direction which the scans do not
+/// observe (along a corridor) keeps the odometry's motion and noise.
 class LidarOdometry {
  public:
   LidarOdometry(const ParticleFilterParameters& filter, const MotionModelParameters& motion,
@@ -38,10 +39,13 @@ class LidarOdometry {
 
  private:
   struct Keyframe {
+    int lidar;
     Pose2 base;
     Eigen::Matrix2Xd ends;  ///< m, in the frame of the keyframes' poses
   };
 
+  void addTravelled(double travelled);
+  double& sinceKeyframe(const Scan& beams);
   void addKeyframe(const Scan& beams, const Pose2& base);
   void buildField();
   void restart(const Pose2& base);
@@ -52,7 +56,8 @@ class LidarOdometry {
   std::deque<Keyframe> keyframes_;
   std::optional<LikelihoodField> field_;  ///< of the keyframes; built by the first `refine`
   Pose2 base_;                            ///< at the last scan, in the frame of the keyframes
-  double since_keyframe_ = 0.0;           ///< m driven
+  /// m driven since the last keyframe of each lidar; infinite before the first.
+  std::array<double, kMaxLidars> since_keyframe_;
   /// Sum of the covariances returned since the last keyframe.
   Eigen::Matrix3d reported_ = Eigen::Matrix3d::Zero();
 };

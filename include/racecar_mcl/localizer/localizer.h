@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "racecar_mcl/localizer/lidar_odometry.h"
+#include "racecar_mcl/localizer/lidar_state.h"
 #include "racecar_mcl/localizer/localizer_parameters.h"
 #include "racecar_mcl/localizer/pose_extrapolator.h"
 #include "racecar_mcl/localizer/scan_result.h"
@@ -42,7 +43,6 @@ class Localizer {
   /// evenly from the free space if relocalization is off. Without a map it returns false and does
   /// nothing.
   bool initializeGlobally();
-
   void resumeCalibration(const SensorCalibration& calibration);
 
   /// One step of Monte Carlo localization. If a step throws, the scan is dropped, the particles are
@@ -66,11 +66,10 @@ class Localizer {
   OdometryCounters odometryCounters() const { return extrapolator_.counters(); }
 
   const ParticleSet& particles() const { return filter_.particles(); }
-  /// The status of the newest estimate.
-  const LocalizationStatus& status() const { return monitor_.status(); }
+  const LocalizationStatus& status() const { return monitor_.status(); }  ///< newest estimate's
   LocalizerCounters counters() const { return {counters_, odometryCounters()}; }
   /// As estimated so far; resumeCalibration continues from it after a restart.
-  const ScanDirection& scanDirection() const { return scan_direction_; }
+  const std::vector<LidarState>& lidars() const { return lidars_; }
   const OdometryCalibration& calibration() const { return calibration_; }
   SensorCalibration sensorCalibration() const;
   /// A used scan with up to `count` beams, selected evenly, corrected and deskewed as the filter's.
@@ -84,9 +83,10 @@ class Localizer {
   struct Step {
     PreprocessedScan scan;
     std::optional<Scan> mirrored;  ///< the scan deskewed in the opposite acquisition order
+    double stamp = 0.0;            ///< s, at which the scan is evaluated
     Motion motion;                 ///< since the last scan
     PoseEstimate before;           ///< at the last scan
-    PoseEstimate predicted;        ///< at the scan's stamp, without the covariance of the motion
+    PoseEstimate predicted;        ///< at `stamp`, without the covariance of the motion
     bool is_refined = false;       ///< `motion` was refined by the lidar odometry
     bool is_stationary = false;    ///< and stationary_updates scans were used since the stop
     bool jumped = false;  ///< the particles were replaced: the correction is no odometry error
@@ -95,13 +95,14 @@ class Localizer {
   ScanOutcome check(const Scan& scan);
   void run(const Scan& scan, ScanResult* result);
   Step preprocess(const Scan& selected);
+  LidarState& lidarAt(int index);
   void initializeFromScan(Step* step, UpdateResult* update);
   void predict(Step* step);
   void reweight(const Step& step, UpdateResult* update);
   void relocalize(bool just_converged, Step* step, UpdateResult* update);
   void monitor(const Step& step, const PoseEstimate& estimate, ScanResult* result);
   void learn(const Step& step, const ScanResult& result);
-  void calibrate(const Step& step, const Pose2& estimate);
+  void calibrate(const Step& step, const Pose2& estimate, double travelled);
   void count(ScanOutcome outcome);
   void restartTracking();
   void recoverFromError();
@@ -116,8 +117,7 @@ class Localizer {
   LidarOdometry lidar_odometry_;
   OdometryCalibration calibration_;
   ProcessNoiseAdaptation noise_adaptation_;
-  RangeBias range_bias_;
-  ScanDirection scan_direction_;
+  std::vector<LidarState> lidars_;  ///< by Scan::lidar, up to the last that has taken a scan
   HypothesisVerifier verifier_;
   RecoveryPolicy recovery_;
   LocalizationMonitor monitor_;

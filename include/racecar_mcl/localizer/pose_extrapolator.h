@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "racecar_mcl/filter/pose_estimate.h"
+#include "racecar_mcl/localizer/scan_clocks.h"
 #include "racecar_mcl/localizer/scan_result.h"
 #include "racecar_mcl/motion/calibrated_odometry.h"
 #include "racecar_mcl/motion/motion_model.h"
@@ -21,7 +22,8 @@ class PoseExtrapolator {
   struct ScanMotion {
     CalibratedOdometry odometry;  ///< over the sweep
     PoseEstimate before;          ///< at the last estimate
-    Motion motion;                ///< since then, calibrated
+    Motion motion;                ///< since then to `stamp`, calibrated
+    double stamp = 0.0;           ///< s, the scan's evaluationStamp
     /// The newest message is at most max_odometry_gap older than the scan.
     bool odometry_is_new = false;
   };
@@ -59,10 +61,10 @@ class PoseExtrapolator {
   /// The last estimate; none before a start.
   std::optional<PoseEstimate> lastEstimate() const;
 
-  /// kUsed if the stamp is newer than that of the last scan. A second stamp that is older by
-  /// clock_jump or more restarts the time; one alone is an outlier, as is one far ahead of scans
-  /// and odometry.
-  ScanOutcome checkStamp(double stamp);
+  /// As ScanClocks::check, with the newest odometry.
+  ScanOutcome checkStamp(double stamp, int lidar = 0);
+  /// As ScanClocks::evaluationStamp.
+  double evaluationStamp(double stamp) const;
   /// A copy of the odometry over the sweep of a scan, in either acquisition order.
   CalibratedOdometry odometryOver(const Scan& scan) const;
   /// The motion up to a scan. Throws std::logic_error before a start.
@@ -81,8 +83,6 @@ class PoseExtrapolator {
   CalibratedOdometry since(const Scan& scan) const;
   Motion motionTo(double stamp) const;
   std::optional<double> newest() const;
-  /// The latest plausible stamp of the next scan; none before the first message.
-  std::optional<double> maxScanStamp() const;
 
   OdometryParameters parameters_;
   MotionModelParameters motion_parameters_;
@@ -91,8 +91,7 @@ class PoseExtrapolator {
   CalibratedOdometry odometry_;
   double noise_scale_ = 1.0;  ///< factor on the standard deviations of the motion noise
   std::optional<Reference> reference_;
-  std::optional<double> last_scan_stamp_;
-  ClockJumpDetector scan_clock_jump_;
+  ScanClocks scan_clocks_;
   OdometryCounters counters_;
 };
 

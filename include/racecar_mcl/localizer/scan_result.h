@@ -12,16 +12,17 @@ namespace racecar_mcl {
 
 enum class ScanOutcome {
   kUsed,
-  kStationary,      ///< the car is stationary and stationary_updates scans were used: the estimate
-                    ///< stays
-  kNoMap,           ///< dropped: no map yet
-  kNoStart,         ///< dropped: no start pose yet
-  kNotFinite,       ///< dropped: stamp or lidar pose is not finite or beyond common/limits.h
-  kRepeatedStamp,   ///< dropped
-  kOutOfOrder,      ///< dropped: older than the last scan
-  kStampOutlier,    ///< dropped: older by clock_jump or far ahead of scans and odometry, and the
-                    ///< scan before was not; the next scan decides what it was
-  kTooFewBeams,     ///< dropped: fewer than min_beams valid ones in the field of view
+  kStationary,     ///< the car is stationary and stationary_updates scans were used: the estimate
+                   ///< stays
+  kNoMap,          ///< dropped: no map yet
+  kNoStart,        ///< dropped: no start pose yet
+  kNotFinite,      ///< dropped: stamp or lidar pose is not finite or beyond common/limits.h
+  kRepeatedStamp,  ///< dropped
+  kTooManyLidars,  ///< dropped: its index is not below kMaxLidars
+  kOutOfOrder,    ///< dropped: older than the lidar's last scan, or over 0.3 s older than another's
+  kStampOutlier,  ///< dropped: older by clock_jump or far ahead of scans and odometry, and the
+                  ///< scan before was not; the next scan decides what it was
+  kTooFewBeams,   ///< dropped: fewer than min_beams valid ones in the field of view
   kTimeJumpedBack,  ///< dropped: the clock was set back; the pose is kept and the next scan is
                     ///< used
   kWeightsVanished  ///< all likelihoods were zero: motion applied, weights kept
@@ -36,7 +37,8 @@ bool hasEstimate(ScanOutcome outcome);
 /// Result of one scan.
 struct ScanResult {
   ScanOutcome outcome = ScanOutcome::kNoMap;
-  double stamp = 0.0;           ///< s, the scan's
+  double stamp = 0.0;           ///< s, the scan's; of an estimate that of the newest scan: another
+                                ///< lidar's may be newer
   LocalizationStatus status;    ///< of the last estimate, whether the scan was used or not
   ScanMatch match;              ///< at the estimate, if the outcome has one
   double range_bias = 0.0;      ///< m, subtracted from the ranges

@@ -35,8 +35,11 @@ class InputWatchdog {
     const double scan = elapsed(&scan_, now);
     const double odometry = elapsed(&odometry_, now);
     const bool no_scan = scan > timeout_;
-    findSilentLidars(now);
-    if (no_scan) silent_lidars_.clear();  // all are silent
+    std::string silence = findSilentLidars(now);
+    if (no_scan) {  // all are silent
+      silence.clear();
+      silent_lidars_.clear();
+    }
     if (no_scan || odometry > timeout_) {
       char reason[64];
       std::snprintf(reason, sizeof(reason), "no usable %s for %.1f s",
@@ -46,24 +49,28 @@ class InputWatchdog {
         status.state = LocalizationState::kDegraded;
       }
     }
-    if (!silent_lidars_.empty()) status.reason += "; no usable scan of " + silent_lidars_;
+    status.reason += silence;
     return status;
   }
 
-  /// The lidars that have timed out at the last call of `monitor`, such as "laser_rear for 3.0 s";
-  /// empty if none has.
+  /// The names of lidars that have timed out at the last call of `monitor` while others go on,
+  /// separated by commas; empty if none has.
   const std::string& silentLidars() const { return silent_lidars_; }
 
  private:
-  void findSilentLidars(double now) {
+  /// Sets `silent_lidars_`. Returns the text of the reason; empty if none is silent.
+  std::string findSilentLidars(double now) {
     silent_lidars_.clear();
+    std::string text;
     for (auto& [name, last] : lidars_) {
       const double silence = elapsed(&last, now);
       if (silence <= timeout_) continue;
       char duration[32];
       std::snprintf(duration, sizeof(duration), " for %.1f s", silence);
-      silent_lidars_ += (silent_lidars_.empty() ? "" : " and of ") + name + duration;
+      text += (text.empty() ? "; no usable scan of " : " and of ") + name + duration;
+      silent_lidars_ += (silent_lidars_.empty() ? "" : ", ") + name;
     }
+    return text;
   }
 
   /// Time since the last input, s. Restarts at `now` if there was no input yet, or if the clock has

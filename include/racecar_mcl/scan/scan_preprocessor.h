@@ -28,15 +28,17 @@ void validate(const ScanParameters& parameters);
 struct ScanCorrection {
   double range_bias = 0.0;  ///< m, subtracted from the ranges
   bool reversed = false;    ///< beams are listed in reverse acquisition order
+  bool moves = false;       ///< the scan is moved to another pose than that at its stamp
 };
 
 struct PreprocessedScan {
-  Scan beams;           ///< deskewed, as seen from the pose at the scan's stamp
+  Scan beams;           ///< deskewed, as seen from one pose of the car
   Scan sweep;           ///< before deskewing, with times in acquisition order
   double turned = 0.0;  ///< rad, turn of the car during the sweep; 0 without deskewing
 };
 
-/// The car's pose at a time after the scan's stamp (s), in its frame at the stamp.
+/// The car's pose at a time after the scan's stamp (s), in its frame at the stamp, or at the pose
+/// to which the scan is moved.
 using BaseAfter = std::function<Pose2(double seconds)>;
 
 class ScanPreprocessor {

@@ -19,6 +19,9 @@ enum class ScanDirectionFrom {
               ///< the last
 };
 
+/// "listed" or "reversed", for reports and diagnostics.
+inline const char* scanDirectionName(bool reversed) { return reversed ? "reversed" : "listed"; }
+
 /// The scan with reversed acquisition order within the same interval of time.
 Scan mirroredInTime(Scan scan);
 
@@ -39,8 +42,6 @@ class ScanDirection {
 
   /// Whether beams are listed in reverse acquisition order: the times after the stamp are negative.
   bool isReversed() const { return reversed_; }
-  /// "listed" or "reversed", for logs and diagnostics.
-  const char* word() const { return reversed_ ? "reversed" : "listed"; }
 
   /// Continues with the order of an earlier run, unless the order is given.
   void resume(bool reversed) {

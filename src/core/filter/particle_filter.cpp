@@ -46,18 +46,21 @@ void ParticleFilter::setParameters(const ParticleFilterParameters& parameters,
 }
 
 void ParticleFilter::predict(const Motion& motion) {
-  const Motion before = moved_.value_or(Motion{});
-  moved_ = motion;
-  moved_->distance += before.distance;
-  moved_->rotation += before.rotation;
+  for (std::optional<Motion>& moved : moved_) {
+    const Motion before = moved.value_or(Motion{});
+    moved = motion;
+    moved->distance += before.distance;
+    moved->rotation += before.rotation;
+  }
   moveParticles(motion_parameters_, motion, random_, &particles_);
 }
 
 const UpdateResult& ParticleFilter::update(const Scan& scan, SensorModel* model, const MapView* map,
                                            double decorrelation_distance) {
   requireStart();
-  double exponent = decorrelationExponent(decorrelation_distance);
-  moved_.reset();
+  std::optional<Motion>& moved = moved_.at(static_cast<std::size_t>(scan.lidar));
+  double exponent = decorrelationExponent(moved, decorrelation_distance);
+  moved.reset();
   if (converged_) ++converged_updates_;
 
   scan_likelihood_.evaluate(particles_, scan, model, &log_likelihoods_);
@@ -81,12 +84,13 @@ const UpdateResult& ParticleFilter::update(const Scan& scan, SensorModel* model,
   return result_;
 }
 
-double ParticleFilter::decorrelationExponent(double distance) const {
-  if (!moved_) return 1.0;
-  if (!converged_) return decorrelationAfter(*moved_, parameters_.scan_decorrelation_distance);
+double ParticleFilter::decorrelationExponent(const std::optional<Motion>& moved,
+                                             double distance) const {
+  if (!moved) return 1.0;
+  if (!converged_) return decorrelationAfter(*moved, parameters_.scan_decorrelation_distance);
   // Just after convergence there is no earlier scan that this one could repeat.
   if (converged_updates_ < parameters_.regularization_updates) return 1.0;
-  return std::max(kMinConvergedDecorrelation, decorrelationAfter(*moved_, distance));
+  return std::max(kMinConvergedDecorrelation, decorrelationAfter(*moved, distance));
 }
 
 double ParticleFilter::informationExponent(const MapView& map, const Scan& scan) {

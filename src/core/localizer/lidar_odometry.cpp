@@ -1,7 +1,9 @@
 #include "racecar_mcl/localizer/lidar_odometry.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -9,9 +11,10 @@ namespace racecar_mcl {
 namespace {
 
 // Keyframes (docs/maths.md): more of them were not more accurate (docs/decisions.md).
-constexpr std::size_t kMaxKeyframes = 12;
-constexpr double kKeyframeDistance = 0.7;  // m driven between two keyframes
-constexpr double kMetresPerRadian = 1.0;   // m/rad, driving distance equivalent to a turn
+constexpr std::ptrdiff_t kMaxKeyframes = 12;  // of each lidar
+constexpr double kKeyframeDistance = 0.7;     // m driven between two keyframes
+constexpr double kNever = std::numeric_limits<double>::infinity();  // m, before the first one
+constexpr double kMetresPerRadian = 1.0;  // m/rad, driving distance equivalent to a turn
 // Local map.
 constexpr double kResolution = 0.05;  // m per cell
 constexpr double kMaxRange = 20.0;    // m, of the end points, and from the newest keyframe
@@ -40,7 +43,9 @@ LidarOdometry::LidarOdometry(const ParticleFilterParameters& filter,
                              const LikelihoodFieldParameters& field, std::uint64_t seed)
     : filter_(trackingOnly(filter), motion, seed),
       field_parameters_(field),
-      num_threads_(filter.num_threads) {}
+      num_threads_(filter.num_threads) {
+  reset();
+}
 
 void LidarOdometry::setParameters(const ParticleFilterParameters& filter,
                                   const MotionModelParameters& motion,
@@ -53,21 +58,28 @@ void LidarOdometry::setParameters(const ParticleFilterParameters& filter,
 void LidarOdometry::reset() {
   keyframes_.clear();
   field_.reset();
+  since_keyframe_.fill(kNever);
 }
 
 void LidarOdometry::remember(const Scan& beams, const Pose2& base_in_map) {
   if (field_) reset();  // its frame has drifted from the map's
-  since_keyframe_ += distance(base_, base_in_map) +
-                     kMetresPerRadian * std::abs(wrapAngle(base_.yaw - base_in_map.yaw));
+  addTravelled(distance(base_, base_in_map) +
+               kMetresPerRadian * std::abs(wrapAngle(base_.yaw - base_in_map.yaw)));
   base_ = base_in_map;
-  if (keyframes_.empty() || since_keyframe_ >= kKeyframeDistance) {
-    addKeyframe(beams, base_in_map);
-  }
+  if (sinceKeyframe(beams) >= kKeyframeDistance) addKeyframe(beams, base_in_map);
+}
+
+void LidarOdometry::addTravelled(double travelled) {
+  for (double& since_keyframe : since_keyframe_) since_keyframe += travelled;
+}
+
+double& LidarOdometry::sinceKeyframe(const Scan& beams) {
+  return since_keyframe_.at(static_cast<std::size_t>(beams.lidar));
 }
 
 void LidarOdometry::addKeyframe(const Scan& beams, const Pose2& base) {
   const Pose2 lidar = compose(base, beams.laser_in_base);
-  Keyframe keyframe{base, Eigen::Matrix2Xd(2, beams.size())};
+  Keyframe keyframe{beams.lidar, base, Eigen::Matrix2Xd(2, beams.size())};
   Eigen::Index count = 0;
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
     if (!(static_cast<double>(beams.ranges[k]) < kMaxRange)) continue;
@@ -78,8 +90,11 @@ void LidarOdometry::addKeyframe(const Scan& beams, const Pose2& base) {
   }
   keyframe.ends.conservativeResize(2, count);
   keyframes_.push_back(std::move(keyframe));
-  if (keyframes_.size() > kMaxKeyframes) keyframes_.pop_front();
-  since_keyframe_ = 0.0;
+  const auto is_same_lidar = [&](const Keyframe& other) { return other.lidar == beams.lidar; };
+  if (std::count_if(keyframes_.begin(), keyframes_.end(), is_same_lidar) > kMaxKeyframes) {
+    keyframes_.erase(std::find_if(keyframes_.begin(), keyframes_.end(), is_same_lidar));
+  }
+  sinceKeyframe(beams) = 0.0;
 }
 
 void LidarOdometry::buildField() {
@@ -141,7 +156,7 @@ Motion LidarOdometry::refine(const Motion& motion, const Scan& beams) {
   base_ = update.estimate.base_in_map;
   Motion refined = motion;
   refined.delta = between(before, base_);
-  since_keyframe_ += distance(before, base_) + kMetresPerRadian * std::abs(refined.delta.yaw);
+  addTravelled(distance(before, base_) + kMetresPerRadian * std::abs(refined.delta.yaw));
   // Errors of successive matches are correlated: this motion gets the increase of the covariance.
   const Eigen::Matrix3d added = positivePart(update.estimate.covariance - reported_);
   reported_ += added;
@@ -149,7 +164,7 @@ Motion LidarOdometry::refine(const Motion& motion, const Scan& beams) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() << c, s, -s, c;
   refined.covariance = turn * added * turn.transpose();
-  if (since_keyframe_ >= kKeyframeDistance) {
+  if (sinceKeyframe(beams) >= kKeyframeDistance) {
     addKeyframe(beams, base_);
     buildField();
     restart(base_);

@@ -23,11 +23,16 @@ constexpr double kSurfaceSigma = 0.1;
 // (docs/decisions.md).
 constexpr double kDecorrelationPerOutlierRatio = 1.5;
 
-/// The motion from a stamp (s) on. The odometry must outlive the function.
-BaseAfter baseAfter(const CalibratedOdometry& odometry, double stamp) {
-  return [&odometry, stamp, origin = odometry.at(stamp)](double seconds) {
+/// The motion of a scan's beams: the car's pose at a time after the scan's `stamp`, in its frame at
+/// the stamp `from` (s). The odometry must outlive the function.
+BaseAfter baseAfter(const CalibratedOdometry& odometry, double stamp, double from) {
+  return [&odometry, stamp, origin = odometry.at(from)](double seconds) {
     return odometry.motion(origin, stamp + seconds).delta;
   };
+}
+
+ScanCorrection correctionOf(const LidarState& lidar, bool moves) {
+  return {lidar.range_bias.bias(), lidar.direction.isReversed(), moves};
 }
 
 bool isStationary(const Motion& motion) {
@@ -64,7 +69,8 @@ ScanResult Localizer::update(const Scan& scan) {
 
 ScanOutcome Localizer::check(const Scan& scan) {
   if (!isWithin(scan.laser_in_base, kMaxMountOffset)) return ScanOutcome::kNotFinite;
-  const ScanOutcome outcome = extrapolator_.checkStamp(scan.stamp);
+  if (scan.lidar < 0 || scan.lidar >= kMaxLidars) return ScanOutcome::kTooManyLidars;
+  const ScanOutcome outcome = extrapolator_.checkStamp(scan.stamp, scan.lidar);
   if (outcome != ScanOutcome::kUsed) return outcome;
   if (!map_) return ScanOutcome::kNoMap;
   return initialized() ? ScanOutcome::kUsed : ScanOutcome::kNoStart;
@@ -78,8 +84,9 @@ void Localizer::run(const Scan& scan, ScanResult* result) {
     return;
   }
   Step step = preprocess(selected);
+  result->stamp = step.stamp;
   PoseEstimate& estimate = result->update.estimate;
-  result->range_bias = range_bias_.bias();
+  result->range_bias = lidarAt(scan.lidar).range_bias.bias();
   result->distance_scale = calibration_.distanceScale();
   result->turn_scale = calibration_.odometryTurn().scale();
   result->turned_by_gyro = step.motion.turned_by_gyro;
@@ -101,25 +108,29 @@ void Localizer::run(const Scan& scan, ScanResult* result) {
   if (result->update.weights_vanished) result->outcome = ScanOutcome::kWeightsVanished;
   monitor(step, estimate, result);
   learn(step, *result);
-  extrapolator_.setReference(estimate, result->stamp, calibration_, noise_adaptation_.noiseScale());
+  extrapolator_.setReference(estimate, step.stamp, calibration_, noise_adaptation_.noiseScale());
 }
 
 Scan Localizer::correctedScan(const Scan& scan, int count) const {
   const Scan selected = selectBeams(scan, count, parameters_.scan.scan_field_of_view);
   const CalibratedOdometry odometry = extrapolator_.odometryOver(selected);
+  const double stamp = extrapolator_.evaluationStamp(scan.stamp);
   return preprocessor_
-      .correct(selected, {range_bias_.bias(), scan_direction_.isReversed()},
-               baseAfter(odometry, scan.stamp))
+      .correct(selected,
+               correctionOf(lidars_.at(static_cast<std::size_t>(scan.lidar)), stamp != scan.stamp),
+               baseAfter(odometry, scan.stamp, stamp))
       .beams;
 }
 
 Localizer::Step Localizer::preprocess(const Scan& selected) {
   const PoseExtrapolator::ScanMotion motion = extrapolator_.beginScan(selected);
-  const BaseAfter base_after = baseAfter(motion.odometry, selected.stamp);
+  const BaseAfter base_after = baseAfter(motion.odometry, selected.stamp, motion.stamp);
+  const LidarState& lidar = lidarAt(selected.lidar);
   Step step;
-  step.scan = preprocessor_.correct(selected, {range_bias_.bias(), scan_direction_.isReversed()},
+  step.stamp = motion.stamp;
+  step.scan = preprocessor_.correct(selected, correctionOf(lidar, motion.stamp != selected.stamp),
                                     base_after);
-  if (scan_direction_.needsComparison(step.scan.turned)) {
+  if (lidar.direction.needsComparison(step.scan.turned)) {
     step.mirrored = deskew(mirroredInTime(step.scan.sweep), base_after);
   }
   step.motion = motion.motion;

@@ -1,4 +1,7 @@
 // Monitoring of the localizer and online estimation of the sensors' systematic errors.
+#include <algorithm>
+#include <utility>
+
 #include "racecar_mcl/localizer/localizer.h"
 #include "racecar_mcl/sensor/scan_direction.h"
 
@@ -33,6 +36,8 @@ void Localizer::monitor(const Step& step, const PoseEstimate& estimate, ScanResu
 }
 
 void Localizer::learn(const Step& step, const ScanResult& result) {
+  for (LidarState& lidar : lidars_) lidar.travelled += step.motion.distance;
+  const double travelled = std::exchange(lidarAt(step.scan.beams.lidar).travelled, 0.0);
   const Pose2& estimate = result.update.estimate.base_in_map;
   if (step.jumped || !filter_.converged()) {
     noise_adaptation_.reset();
@@ -51,34 +56,44 @@ void Localizer::learn(const Step& step, const ScanResult& result) {
   if (parameters_.lidar_odometry && !step.is_refined) {
     lidar_odometry_.remember(step.scan.beams, estimate);
   }
-  if (result.status.state == LocalizationState::kLocalized) calibrate(step, estimate);
+  if (result.status.state == LocalizationState::kLocalized) calibrate(step, estimate, travelled);
 }
 
-void Localizer::calibrate(const Step& step, const Pose2& estimate) {
+void Localizer::calibrate(const Step& step, const Pose2& estimate, double travelled) {
+  LidarState& lidar = lidarAt(step.scan.beams.lidar);
   calibration_.learn(step.motion, between(step.predicted.base_in_map, estimate));
   const double direction_log_odds =
       step.mirrored ? scanLogOdds(map_->matcher.field(), estimate, step.scan.beams, *step.mirrored)
                     : 0.0;
   // A sweep that fits the map better in the opposite order is distorted.
   if (map_->likelihood_field && !(direction_log_odds < 0.0)) {
-    range_bias_.learn(*map_->likelihood_field, estimate, step.scan.beams, step.motion.distance);
+    lidar.range_bias.learn(*map_->likelihood_field, estimate, step.scan.beams, travelled);
   }
-  if (step.mirrored && scan_direction_.learn(direction_log_odds, step.scan.turned)) {
+  if (step.mirrored && lidar.direction.learn(direction_log_odds, step.scan.turned)) {
     // Discard what was estimated from sweeps deskewed in the wrong order.
     calibration_.forgetDelay();
-    range_bias_.reset();
+    lidar.range_bias.reset();
     noise_adaptation_.reset();
   }
 }
 
 SensorCalibration Localizer::sensorCalibration() const {
-  return {calibration_.errors(), range_bias_.bias(), scan_direction_.isReversed()};
+  SensorCalibration sensors{calibration_.errors(), {}};
+  for (const LidarState& lidar : lidars_) {
+    sensors.lidars.push_back({lidar.range_bias.bias(), lidar.direction.isReversed()});
+  }
+  return sensors;
 }
 
 void Localizer::resumeCalibration(const SensorCalibration& calibration) {
   calibration_.resume(calibration.odometry);
-  range_bias_.resume(calibration.range_bias);
-  scan_direction_.resume(calibration.scan_reversed);
+  int index = 0;
+  for (const LidarCalibration& of_lidar : calibration.lidars) {
+    if (index == kMaxLidars) return;
+    LidarState& lidar = lidarAt(index++);
+    lidar.range_bias.resume(of_lidar.range_bias);
+    lidar.direction.resume(of_lidar.scan_reversed);
+  }
 }
 
 void Localizer::count(ScanOutcome outcome) {

@@ -29,10 +29,17 @@ Localizer::Localizer(const LocalizerParameters& parameters, std::uint64_t seed)
       lidar_odometry_(parameters.filter, parameters.motion, sensorParameters(parameters).field,
                       seed + 2),
       calibration_(parameters.calibration),
-      range_bias_(parameters.range_bias),
-      scan_direction_(parameters.scan_direction),
+      lidars_(1, {parameters.range_bias, parameters.scan_direction}),
       verifier_(parameters.filter, parameters.motion, seed + 1),
       monitor_(parameters.monitor, parameters.protection) {}
+
+LidarState& Localizer::lidarAt(int index) {
+  const auto size = static_cast<std::size_t>(index) + 1;
+  if (size > lidars_.size()) {
+    lidars_.resize(size, {parameters_.range_bias, parameters_.scan_direction});
+  }
+  return lidars_[size - 1];
+}
 
 void Localizer::initialize(const PoseEstimate& start, double stamp) {
   initialize(extrapolator_.moveToNewest(start, stamp));
@@ -58,8 +65,10 @@ void Localizer::setParameters(const LocalizerParameters& parameters,
   filter_.setParameters(parameters.filter, parameters.motion);
   lidar_odometry_.setParameters(parameters.filter, parameters.motion, sensor.field);
   calibration_.setParameters(parameters.calibration);
-  range_bias_.setParameters(parameters.range_bias);
-  scan_direction_.setSource(parameters.scan_direction);
+  for (LidarState& lidar : lidars_) {
+    lidar.range_bias.setParameters(parameters.range_bias);
+    lidar.direction.setSource(parameters.scan_direction);
+  }
   verifier_.setParameters(parameters.filter, parameters.motion);
   monitor_.setParameters(parameters.monitor, parameters.protection);
   parameters_ = parameters;
@@ -87,7 +96,7 @@ void Localizer::restartTracking() {
   scans_since_stop_ = 0;
   monitor_.reset();
   noise_adaptation_.reset();
-  scan_direction_.reset();
+  for (LidarState& lidar : lidars_) lidar.direction.reset();
   recovery_.reset();
   verifier_.stop();
   lidar_odometry_.reset();

@@ -11,13 +11,8 @@ namespace {
 // it.
 constexpr double kOdometryTimeout = 0.5;  // s
 
-// A scan is an outlier if it is further ahead, in periods, of both odometry and scans.
+// A scan may be an outlier if it is further ahead of odometry, in periods.
 constexpr double kMaxOdometryPeriodsAhead = 1.0;
-constexpr double kMaxScanPeriodsAhead = 1.5;
-// The period of either before its second message.
-constexpr double kUnknownPeriod = 0.2;  // s
-
-double knownPeriod(double period) { return period > 0.0 ? period : kUnknownPeriod; }
 
 using Lock = std::lock_guard<std::mutex>;
 
@@ -28,7 +23,7 @@ PoseExtrapolator::PoseExtrapolator(const OdometryParameters& odometry,
     : parameters_(odometry),
       motion_parameters_(motion),
       odometry_(odometry),
-      scan_clock_jump_(odometry.clock_jump) {}
+      scan_clocks_(odometry.clock_jump) {}
 
 void PoseExtrapolator::setParameters(const OdometryParameters& odometry,
                                      const MotionModelParameters& motion) {
@@ -52,8 +47,7 @@ OdometryOutcome PoseExtrapolator::addOdometry(const OdometrySample& sample) {
       return outcome;
     case OdometryOutcome::kTimeJumpedBack:
       ++counters_.time_jumps;
-      last_scan_stamp_.reset();
-      scan_clock_jump_.reset();
+      scan_clocks_.reset();
       break;
     case OdometryOutcome::kGap:
       ++counters_.odometry_gaps;
@@ -77,7 +71,7 @@ GyroOutcome PoseExtrapolator::addGyro(const GyroSample& sample) {
 
 bool PoseExtrapolator::covers(double stamp) const {
   const Lock lock(*mutex_);
-  if (odometry_.odometry().empty()) return last_scan_stamp_.has_value();
+  if (odometry_.odometry().empty()) return scan_clocks_.newest().has_value();
   const double newest = odometry_.odometry().newestStamp();
   return newest >= stamp + std::min(0.0, odometry_.calibration().delay()) ||
          newest < stamp - kOdometryTimeout;
@@ -99,8 +93,9 @@ std::optional<PoseEstimate> PoseExtrapolator::estimateAt(double stamp) const {
 
 std::optional<double> PoseExtrapolator::newest() const {
   const OdometryBuffer& odometry = odometry_.odometry();
-  if (odometry.empty()) return last_scan_stamp_;
-  return std::max(odometry.newestStamp(), last_scan_stamp_.value_or(odometry.newestStamp()));
+  const std::optional<double> scan = scan_clocks_.newest();
+  if (odometry.empty()) return scan;
+  return std::max(odometry.newestStamp(), scan.value_or(odometry.newestStamp()));
 }
 
 std::optional<double> PoseExtrapolator::newestStamp() const {
@@ -150,37 +145,26 @@ std::optional<PoseEstimate> PoseExtrapolator::lastEstimate() const {
   return reference_->estimate;
 }
 
-std::optional<double> PoseExtrapolator::maxScanStamp() const {
-  std::optional<double> latest;
-  if (const OdometryBuffer& odometry = odometry_.odometry(); !odometry.empty()) {
-    latest = odometry.newestStamp() + kMaxOdometryPeriodsAhead * knownPeriod(odometry.period());
-  }
-  if (const std::optional<double> scan = scan_clock_jump_.newest()) {
-    const double next = *scan + kMaxScanPeriodsAhead * knownPeriod(scan_clock_jump_.period());
-    latest = std::max(next, latest.value_or(next));
-  }
-  return latest;
-}
-
-ScanOutcome PoseExtrapolator::checkStamp(double stamp) {
+ScanOutcome PoseExtrapolator::checkStamp(double stamp, int lidar) {
   const Lock lock(*mutex_);
-  if (!isWithin(stamp, kMaxStamp)) return ScanOutcome::kNotFinite;
-  if (scan_clock_jump_.check(stamp, maxScanStamp().value_or(stamp)) == StampCheck::kOutlier) {
-    return ScanOutcome::kStampOutlier;
+  const OdometryBuffer& odometry = odometry_.odometry();
+  std::optional<double> max_stamp;
+  if (!odometry.empty()) {
+    max_stamp = odometry.newestStamp() + kMaxOdometryPeriodsAhead * knownPeriod(odometry.period());
   }
-  if (!last_scan_stamp_) return ScanOutcome::kUsed;
-  const double elapsed = stamp - *last_scan_stamp_;
-  if (elapsed == 0.0) return ScanOutcome::kRepeatedStamp;
-  if (elapsed > 0.0) return ScanOutcome::kUsed;
-  if (elapsed > -parameters_.clock_jump) return ScanOutcome::kOutOfOrder;
+  const ScanOutcome outcome = scan_clocks_.check(stamp, lidar, max_stamp);
+  if (outcome != ScanOutcome::kTimeJumpedBack) return outcome;
   ++counters_.time_jumps;
-  last_scan_stamp_.reset();
   // Odometry from before the jump belongs to the old time.
-  if (!odometry_.odometry().empty() &&
-      stamp <= odometry_.odometry().newestStamp() - parameters_.clock_jump) {
+  if (!odometry.empty() && stamp <= odometry.newestStamp() - parameters_.clock_jump) {
     odometry_.reset();
   }
-  return ScanOutcome::kTimeJumpedBack;
+  return outcome;
+}
+
+double PoseExtrapolator::evaluationStamp(double stamp) const {
+  const Lock lock(*mutex_);
+  return scan_clocks_.evaluationStamp(stamp);
 }
 
 CalibratedOdometry PoseExtrapolator::odometryOver(const Scan& scan) const {
@@ -196,11 +180,12 @@ CalibratedOdometry PoseExtrapolator::since(const Scan& scan) const {
 PoseExtrapolator::ScanMotion PoseExtrapolator::beginScan(const Scan& scan) {
   const Lock lock(*mutex_);
   if (!reference_) throw std::logic_error("there is no pose to extrapolate: initialize first");
-  last_scan_stamp_ = scan.stamp;
   ScanMotion motion;
+  motion.stamp = scan_clocks_.evaluationStamp(scan.stamp);
+  scan_clocks_.recordUsed(scan.stamp, scan.lidar);
   motion.odometry = since(scan);
   motion.before = reference_->estimate;
-  motion.motion = motionTo(scan.stamp);
+  motion.motion = motionTo(motion.stamp);
   motion.odometry_is_new =
       !odometry_.odometry().empty() &&
       scan.stamp - odometry_.odometry().newestStamp() <= parameters_.max_odometry_gap;

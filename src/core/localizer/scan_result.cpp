@@ -24,6 +24,8 @@ std::string toString(ScanOutcome outcome) {
       return "scan stamp is not within 1e10 s or its lidar not within 100 m of base_link";
     case ScanOutcome::kRepeatedStamp:
       return "scan stamp repeats";
+    case ScanOutcome::kTooManyLidars:
+      return "scan is of a ninth lidar; at most 8 are supported";
     case ScanOutcome::kOutOfOrder:
       return "scan is older than the last one";
     case ScanOutcome::kStampOutlier:

@@ -42,11 +42,12 @@ PreprocessedScan ScanPreprocessor::correct(Scan selected, const ScanCorrection& 
         (scan.sweep.ranges - static_cast<float>(correction.range_bias)).max(kMinRange);
   }
   Eigen::ArrayXf& seconds = scan.sweep.seconds_after_stamp;
-  const bool at_once = (seconds == 0.0f).all();
-  if (!parameters_.deskew || at_once) {
+  const bool at_once = !parameters_.deskew || (seconds == 0.0f).all();
+  if (at_once && !correction.moves) {
     scan.beams = scan.sweep;
     return scan;
   }
+  if (at_once) seconds.setZero();
   if (correction.reversed) seconds = -seconds;
   const Pose2 first = base_after(static_cast<double>(seconds.minCoeff()));
   const Pose2 last = base_after(static_cast<double>(seconds.maxCoeff()));

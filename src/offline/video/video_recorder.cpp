@@ -41,7 +41,8 @@ bool openWriter(const std::string& path, double rate, cv::Size size, cv::VideoWr
 
 /// The end points of all returns in the map frame, deskewed.
 std::vector<cv::Point2d> endPoints(Scan scan, const Localizer& localizer) {
-  if (localizer.scanDirection().isReversed()) scan.seconds_after_stamp = -scan.seconds_after_stamp;
+  const LidarState& lidar = localizer.lidars().at(static_cast<std::size_t>(scan.lidar));
+  if (lidar.direction.isReversed()) scan.seconds_after_stamp = -scan.seconds_after_stamp;
   std::vector<cv::Point2d> points;
   if (scan.size() == 0) return points;
   // Negative if the beams are listed in reverse acquisition order.

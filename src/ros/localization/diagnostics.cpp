@@ -1,5 +1,6 @@
 #include "ros/localization/diagnostics.h"
 
+#include <algorithm>
 #include <sstream>
 
 namespace racecar_mcl {
@@ -22,7 +23,7 @@ diagnostic_msgs::DiagnosticStatus::_level_type levelOf(LocalizationState state) 
 }
 
 template <typename Value>
-void add(const char* key, const Value& value, diagnostic_msgs::DiagnosticStatus* message) {
+void add(const std::string& key, const Value& value, diagnostic_msgs::DiagnosticStatus* message) {
   diagnostic_msgs::KeyValue pair;
   pair.key = key;
   std::ostringstream text;
@@ -47,11 +48,29 @@ void addStatus(const LocalizationStatus& status, diagnostic_msgs::DiagnosticStat
   add("odometry disagreement (%)", 100.0 * status.disagreement, message);
 }
 
+/// Each lidar; the keys of several begin with their frames.
+void addLidars(const NodeStatus& s, diagnostic_msgs::DiagnosticStatus* message) {
+  for (std::size_t i = 0; i < std::max<std::size_t>(1, s.lidars.size()); ++i) {
+    const RegisteredLidar lidar = i < s.lidars.size() ? s.lidars[i] : RegisteredLidar{};
+    const LidarCalibration calibration =
+        i < s.sensors.lidars.size() ? s.sensors.lidars[i] : LidarCalibration{};
+    const std::string prefix = s.lidars.size() > 1 ? lidar.frame + ": " : "";
+    add(prefix + "lidar frame", lidar.frame, message);
+    add(prefix + "lidar topic", lidar.topic, message);
+    add(prefix + "lidar scans used", lidar.scans_used, message);
+    add(prefix + "scan direction", scanDirectionName(calibration.scan_reversed), message);
+    add(prefix + "range bias (m)", calibration.range_bias, message);
+  }
+  add("silent lidars", s.silent_lidars, message);
+}
+
 Summary summarize(const NodeStatus& s) {
   using Status = diagnostic_msgs::DiagnosticStatus;
   if (!s.has_map) return {Status::WARN, "waiting for a map"};
   if (!s.started) return {Status::WARN, "waiting for a start pose"};
-  return {levelOf(s.status.state), toString(s.status.state) + ": " + s.status.reason};
+  const auto level = levelOf(s.status.state);
+  return {s.silent_lidars.empty() ? level : std::max(level, levelOf(LocalizationState::kDegraded)),
+          toString(s.status.state) + ": " + s.status.reason};
 }
 
 }  // namespace
@@ -81,8 +100,7 @@ diagnostic_msgs::DiagnosticStatus toDiagnostics(const NodeStatus& s, const std::
   add("recoveries", s.counters.recoveries);
   add("particles", s.particles);
   add("beams", s.beams);
-  add("scan direction", s.sensors.scan_reversed ? "reversed" : "listed");
-  add("range bias (m)", s.sensors.range_bias);
+  addLidars(s, &message);
   const OdometryErrors& odometry = s.sensors.odometry;
   add("distance scale", odometry.distance_scale);
   add("odometry delay (s)", odometry.delay);

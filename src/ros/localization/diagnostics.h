@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "racecar_mcl/localizer/localizer.h"
+#include "ros/localization/lidar_registry.h"
 
 namespace racecar_mcl {
 
@@ -31,6 +33,8 @@ struct NodeStatus {
   int particles = 0;
   int beams = 0;
   SensorCalibration sensors;
+  std::vector<RegisteredLidar> lidars;  ///< by Scan::lidar
+  std::string silent_lidars;            ///< InputWatchdog::silentLidars
   GyroCalibration gyro{0.0};
   double position_sigma = 0.0;  ///< m, the larger axis
   double yaw_sigma = 0.0;       ///< rad

@@ -41,11 +41,11 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
   if (parameters_.initial_pose && !saved_pose_)
     start({*parameters_.initial_pose, Eigen::Matrix3d::Zero()});
 
-  subscribers_ = {node_.subscribe("scan", 2, &LocalizationNode::onScan, this,
-                                  ros::TransportHints().tcpNoDelay()),
-                  node_.subscribe("map", 1, &LocalizationNode::onMap, this),
-                  node_.subscribe("initialpose", 2, &LocalizationNode::onInitialPose, this),
-                  node_.subscribe("clicked_point", 2, &LocalizationNode::onClickedPoint, this)};
+  subscribeScans();
+  subscribers_.push_back(node_.subscribe("map", 1, &LocalizationNode::onMap, this));
+  subscribers_.push_back(node_.subscribe("initialpose", 2, &LocalizationNode::onInitialPose, this));
+  subscribers_.push_back(
+      node_.subscribe("clicked_point", 2, &LocalizationNode::onClickedPoint, this));
   subscribeOdometry();
   subscribers_.push_back(node_.subscribe("imu", 50, &LocalizationNode::onImu, this,
                                          ros::TransportHints().tcpNoDelay()));
@@ -171,6 +171,7 @@ void LocalizationNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
     static_cast<OdometryCounters&>(node_status_.counters) = localizer_.odometryCounters();
     node_status_.latency_p50 = latency_.quantile(0.5);
     node_status_.latency_p99 = latency_.quantile(0.99);
+    node_status_.lidars = lidars_.lidars();
     status = node_status_;
   }
   array.status.push_back(toDiagnostics(status, name_ + ": localization"));

@@ -32,6 +32,7 @@
 #include "ros/localization/diagnostics.h"
 #include "ros/localization/imu_rotation.h"
 #include "ros/localization/lidar_extrinsics.h"
+#include "ros/localization/lidar_registry.h"
 #include "ros/localization/localization_publisher.h"
 #include "ros/localization/node_parameters.h"
 #include "ros/localization/obstacle_publisher.h"
@@ -59,13 +60,14 @@ class LocalizationNode {
   struct ReceivedScan {
     sensor_msgs::LaserScanConstPtr message;
     ros::WallTime arrival;
+    std::string topic;
   };
 
   // Callbacks: convert and post to the worker.
   void onOdometry(const nav_msgs::OdometryConstPtr& message);
   void onImu(const sensor_msgs::ImuConstPtr& message);
   void onTransforms(const tf2_msgs::TFMessageConstPtr& message, bool is_static);
-  void onScan(const sensor_msgs::LaserScanConstPtr& message);
+  void onScan(const std::string& topic, const sensor_msgs::LaserScanConstPtr& message);
   void onMap(const nav_msgs::OccupancyGridConstPtr& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
   void onClickedPoint(const geometry_msgs::PointStampedConstPtr& message);
@@ -90,6 +92,7 @@ class LocalizationNode {
   /// Starts from saved_pose_, as soon as the map and the odometry are there.
   void resume();
 
+  void subscribeScans();
   void subscribeOdometry();
   void readLastPose();
   /// The pose to save; none unless localized.
@@ -100,7 +103,9 @@ class LocalizationNode {
   void saveLastPose();
   void writeLastPose(const SavedPose& pose);
   void checkOdometryFrames(const nav_msgs::Odometry& message, const OdometrySample& sample);
-  std::optional<Scan> readScan(const sensor_msgs::LaserScan& message, LidarExtrinsics* extrinsics);
+  std::optional<Scan> readScan(const ReceivedScan& received, LidarExtrinsics* extrinsics);
+  /// Scan::lidar of a scan whose frame is on the car. Throws MessageError for a ninth lidar.
+  int lidarOf(const ReceivedScan& received);
   /// Waits until odometry covers the newest scan or the maximum wait has elapsed.
   std::optional<ReceivedScan> nextScan();
   /// Also counts a scan that ends with an exception, which goes on to the worker.
@@ -110,7 +115,7 @@ class LocalizationNode {
   void broadcast(const PoseEstimate& estimate, double stamp);
   /// Copies the localizer's state; call after every change by the worker.
   void updateNodeStatus();
-  void recordScan(const ScanResult& result, ros::WallTime arrival);
+  void recordScan(const ScanResult& result, int lidar, ros::WallTime arrival);
   void reportUnused(ScanOutcome outcome);
   /// Logs a change of the gyro's use.
   void reportGyro();
@@ -140,6 +145,7 @@ class LocalizationNode {
   /// Used by the worker; methods that only use its PoseExtrapolator are thread-safe.
   Localizer localizer_;
   ScanQueue<ReceivedScan> scan_queue_{1};
+  LidarRegistry lidars_;
   LocalizationStatus status_;  ///< of the newest estimate
   NodeStatus node_status_;
   LatencyStatistics latency_;

@@ -15,6 +15,16 @@ constexpr double kMaxSimulatedClockOffset = 1000.0;  // s
 
 }  // namespace
 
+void LocalizationNode::subscribeScans() {
+  for (const std::string& topic : parameters_.scan_topics) {
+    if (parameters_.scan_topics.size() > 1) watchdog_.expectLidar(topic);
+    const boost::function<void(const sensor_msgs::LaserScanConstPtr&)> take =
+        [this, topic](const sensor_msgs::LaserScanConstPtr& message) { onScan(topic, message); };
+    subscribers_.push_back(node_.subscribe<sensor_msgs::LaserScan>(
+        topic, 2, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+  }
+}
+
 void LocalizationNode::subscribeOdometry() {
   if (parameters_.localizer.odometry.motion_from != MotionFrom::kTf) {
     subscribers_.push_back(node_.subscribe("odom", 50, &LocalizationNode::onOdometry, this,
@@ -87,12 +97,15 @@ void LocalizationNode::checkOdometryFrames(const nav_msgs::Odometry& message,
   }
 }
 
-void LocalizationNode::onScan(const sensor_msgs::LaserScanConstPtr& message) {
+void LocalizationNode::onScan(const std::string& topic,
+                              const sensor_msgs::LaserScanConstPtr& message) {
   if (hasInvalidStamp("scan", message->header.stamp)) return;
   const ros::WallTime now = ros::WallTime::now();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!scan_queue_.add(message->header.stamp.toSec(), now.toSec(), {message, now})) {
+    const int lidar = lidars_.find(stripLeadingSlash(message->header.frame_id));
+    if (!scan_queue_.add(message->header.stamp.toSec(), now.toSec(), {message, now, topic},
+                         lidar)) {
       ++node_status_.scans_superseded;  // the worker already has a task for it
       return;
     }

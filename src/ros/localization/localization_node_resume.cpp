@@ -21,8 +21,11 @@ void LocalizationNode::readLastPose() {
   if (!is_respawned && (parameters_.initial_pose || parameters_.global_start)) return;
   try {
     saved_pose_ = readPoseFile(parameters_.last_pose_file);
+    if (!saved_pose_) return;
+    for (const std::string& frame : saved_pose_->lidar_frames) lidars_.add(frame, "");
   } catch (const std::exception& error) {
     reportRejection(nullptr, "last pose not used", error.what());
+    saved_pose_.reset();
   }
   if (saved_pose_ && !saved_pose_->calibration_problem.empty()) {
     reportRejection(nullptr, "last calibration not used",
@@ -62,6 +65,9 @@ std::optional<SavedPose> LocalizationNode::lastPose() {
   SavedPose pose;
   pose.map = map_identity_;
   pose.sensors = node_status_.sensors;
+  for (const RegisteredLidar& lidar : lidars_.lidars()) {
+    pose.lidar_frames.push_back(lidar.scans_used > 0 ? lidar.frame : "");
+  }
   if (base_in_odom_) pose.odometry = {base_in_odom_stamp_, *base_in_odom_};
   const std::optional<PoseEstimate> estimate = localizer_.estimateAt(
       base_in_odom_ ? base_in_odom_stamp_ : localizer_.newestStamp().value_or(0.0));

@@ -17,8 +17,17 @@ constexpr double kStartupTime = 2.0;  // s
 
 }  // namespace
 
-std::optional<Scan> LocalizationNode::readScan(const sensor_msgs::LaserScan& message,
+int LocalizationNode::lidarOf(const ReceivedScan& received) {
+  const std::string frame = stripLeadingSlash(received.message->header.frame_id);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const int lidar = lidars_.add(frame, received.topic);
+  watchdog_.forgetLidar(received.topic);  // from now on it is expected by its frame
+  return lidar;
+}
+
+std::optional<Scan> LocalizationNode::readScan(const ReceivedScan& received,
                                                LidarExtrinsics* extrinsics) {
+  const sensor_msgs::LaserScan& message = *received.message;
   std::string odometry_frame;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -30,7 +39,9 @@ std::optional<Scan> LocalizationNode::readScan(const sensor_msgs::LaserScan& mes
     *extrinsics =
         lidar_extrinsics_.find(stripLeadingSlash(message.header.frame_id), odometry_frame);
     counter = &NodeStatus::scans_unreadable;
-    return toScan(message, *extrinsics, parameters_.localizer.scan.deskew);
+    Scan scan = toScan(message, *extrinsics, parameters_.localizer.scan.deskew);
+    scan.lidar = lidarOf(received);
+    return scan;
   } catch (const MessageError& error) {
     recordProblem(std::string("scan dropped: ") + error.what(), counter);
     const bool is_startup = counter == &NodeStatus::scans_without_tf &&
@@ -64,14 +75,14 @@ void LocalizationNode::processScan() {
   const std::optional<ReceivedScan> received = nextScan();
   if (!received) return;
   LidarExtrinsics extrinsics;
-  const std::optional<Scan> scan = readScan(*received->message, &extrinsics);
+  const std::optional<Scan> scan = readScan(*received, &extrinsics);
   if (!scan) return;
 
   resume();
   const ScanResult result = updateLocalizer(*scan);
   if (hasEstimate(result.outcome)) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    watchdog_.recordScan(ros::Time::now().toSec());
+    watchdog_.recordScan(ros::Time::now().toSec(), lidars_.at(scan->lidar).frame);
   }
   publishStatus();
   reportGyro();
@@ -90,7 +101,7 @@ void LocalizationNode::processScan() {
   }
   if (!hasEstimate(result.outcome)) return;
   publishPose(true);
-  recordScan(result, received->arrival);
+  recordScan(result, scan->lidar, received->arrival);
   publisher_.publishScanTopics(localizer_.particles(), *localizer_.map(), *received->message,
                                extrinsics, result.update);
   obstacle_publisher_.publish(localizer_, *scan, received->message->header.stamp, result);
@@ -105,10 +116,11 @@ void LocalizationNode::updateNodeStatus() {
   node_status_.gyro = localizer_.calibration().gyro();
 }
 
-void LocalizationNode::recordScan(const ScanResult& result, ros::WallTime arrival) {
+void LocalizationNode::recordScan(const ScanResult& result, int lidar, ros::WallTime arrival) {
   const PoseEstimate& estimate = result.update.estimate;
   const std::lock_guard<std::mutex> lock(mutex_);
   latency_.add((ros::WallTime::now() - arrival).toSec());
+  lidars_.countUsed(lidar);
   node_status_.position_sigma = positionSigma(estimate);
   node_status_.yaw_sigma = std::sqrt(std::max(0.0, estimate.covariance(2, 2)));
   if (result.outcome != ScanOutcome::kUsed) return;
@@ -163,6 +175,7 @@ void LocalizationNode::publishPose(bool after_scan) {
 
 void LocalizationNode::publishStatus() {
   std::optional<StatusLog::Message> message;
+  std::string silent_lidars;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::optional<PoseEstimate> estimate =
@@ -170,9 +183,11 @@ void LocalizationNode::publishStatus() {
     if (!estimate) return;  // not started
     const ros::Time now = ros::Time::now();
     node_status_.status = watchdog_.monitor(status_, now.toSec());
+    silent_lidars = node_status_.silent_lidars = watchdog_.silentLidars();
     publisher_.publishStatus(node_status_.status, estimate->base_in_map);
     message = status_log_.update(node_status_.status, now.toSec());
   }
+  if (!silent_lidars.empty()) warnThrottled("lidar", "no usable scan of " + silent_lidars);
   if (!message) return;
   ROS_LOG(message->is_warning ? ros::console::levels::Warn : ros::console::levels::Info,
           ROSCONSOLE_DEFAULT_NAME, "%s", message->text.c_str());

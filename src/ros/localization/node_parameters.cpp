@@ -1,8 +1,11 @@
 #include "ros/localization/node_parameters.h"
 
+#include <ros/names.h>
+
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -41,6 +44,7 @@ namespace {
 /// Calls visit(name, field) for every parameter of the node alone.
 template <typename Parameters, typename Visit>
 void forEachNodeParameter(Parameters& p, const Visit& visit) {
+  visit("scan_topics", p.scan_topics);
   visit("map_frame", p.map_frame);
   visit("odom_frame", p.odom_frame);
   visit("particle_filter_frame", p.particle_filter_frame);
@@ -85,8 +89,9 @@ std::map<std::string, std::pair<std::string, std::string>> differences(
 
 bool needsRestart(const std::string& name) {
   const char* const fixed[] = {
-      "map_frame",    "odom_frame",   "particle_filter_frame", "tf_mode", "motion_from",
-      "initial_pose", "global_start", "last_pose_file",        "seed",    "expert/clock_jump"};
+      "scan_topics",    "map_frame",   "odom_frame",       "particle_filter_frame",
+      "tf_mode",        "motion_from", "initial_pose",     "global_start",
+      "last_pose_file", "seed",        "expert/clock_jump"};
   return std::find(std::begin(fixed), std::end(fixed), name) != std::end(fixed);
 }
 
@@ -112,7 +117,20 @@ void stripFrames(NodeParameters* p) {
   }
 }
 
+void validateScanTopics(const std::vector<std::string>& topics) {
+  std::set<std::string> names;
+  bool are_valid = !topics.empty();
+  for (const std::string& topic : topics) {
+    std::string problem;
+    are_valid = are_valid && ros::names::validate(topic, problem) && names.insert(topic).second;
+  }
+  if (!are_valid) {
+    refuseParameter("scan_topics", parameterText(topics), "different names of topics");
+  }
+}
+
 void validate(const NodeParameters& p) {
+  validateScanTopics(p.scan_topics);
   const bool from_tf = p.localizer.odometry.motion_from == MotionFrom::kTf;
   const std::pair<const char*, const std::string&> frames[] = {
       {"map_frame", p.map_frame},

@@ -20,6 +20,7 @@ enum class TfMode {
 
 struct NodeParameters {
   LocalizerParameters localizer;
+  std::vector<std::string> scan_topics = std::vector<std::string>(1, "scan");  ///< of all lidars
   std::string map_frame = "map";
   std::string odom_frame = "odom";                  ///< for tf_mode map_to_odom and motion_from tf
   std::string particle_filter_frame = "base_link";  ///< the frame that is localized

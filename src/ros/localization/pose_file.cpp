@@ -35,7 +35,7 @@ Pose2 readPose(const YAML::Node& node) {
   return pose;
 }
 
-/// Calls visit(key, number) for each number of the calibration.
+/// Calls visit(key, number) for each number of the calibration, except those of lidars.
 template <typename Calibration, typename Visitor>
 void visitNumbers(Calibration& sensors, const Visitor& visit) {
   visit("distance_scale", sensors.odometry.distance_scale);
@@ -43,31 +43,57 @@ void visitNumbers(Calibration& sensors, const Visitor& visit) {
   visit("turn_scale", sensors.odometry.turn.scale);
   visit("turn_offset", sensors.odometry.turn.offset);
   visit("turn_delay", sensors.odometry.turn.delay);
-  visit("range_bias", sensors.range_bias);
 }
 
-void writeCalibration(const SensorCalibration& sensors, std::ostream* out) {
+std::string quoted(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << YAML::DoubleQuoted << text;
+  return emitter.c_str();
+}
+
+void writeCalibration(const SavedPose& pose, std::ostream* out) {
   *out << "calibration:\n";
-  visitNumbers(sensors, [&](const char* key, double number) {
+  visitNumbers(*pose.sensors, [&](const char* key, double number) {
     *out << "  " << key << ": " << number << '\n';
   });
-  *out << "  scan_reversed: " << (sensors.scan_reversed ? "true" : "false") << '\n';
+  *out << "  lidars:\n";
+  for (std::size_t i = 0; i < pose.lidar_frames.size(); ++i) {
+    if (pose.lidar_frames[i].empty()) continue;
+    const LidarCalibration& lidar = pose.sensors->lidars.at(i);
+    *out << "    - {frame: " << quoted(pose.lidar_frames[i]) << ", range_bias: " << lidar.range_bias
+         << ", scan_reversed: " << (lidar.scan_reversed ? "true" : "false") << "}\n";
+  }
 }
 
-SensorCalibration readCalibration(const YAML::Node& node) {
-  SensorCalibration sensors;
-  visitNumbers(sensors, [&](const char* key, double& number) {
-    number = node[key].as<double>();
-    if (!std::isfinite(number)) throw std::runtime_error(std::string(key) + " is not finite");
-  });
-  sensors.scan_reversed = node["scan_reversed"].as<bool>();
-  return sensors;
+double readNumber(const YAML::Node& node, const char* key) {
+  const double number = node[key].as<double>();
+  if (!std::isfinite(number)) throw std::runtime_error(std::string(key) + " is not finite");
+  return number;
+}
+
+LidarCalibration readLidar(const YAML::Node& node) {
+  return {readNumber(node, "range_bias"), node["scan_reversed"].as<bool>()};
+}
+
+void readSensors(const YAML::Node& node, SavedPose* pose) {
+  SensorCalibration& sensors = pose->sensors.emplace();
+  visitNumbers(sensors, [&](const char* key, double& number) { number = readNumber(node, key); });
+  if (!node["lidars"]) {
+    sensors.lidars.push_back(readLidar(node));
+    return;
+  }
+  for (const YAML::Node& lidar : node["lidars"]) {
+    sensors.lidars.push_back(readLidar(lidar));
+    pose->lidar_frames.push_back(lidar["frame"].as<std::string>());
+  }
 }
 
 void readCalibration(const YAML::Node& node, SavedPose* pose) {
   try {
-    pose->sensors = readCalibration(node);
+    readSensors(node, pose);
   } catch (const std::exception& error) {
+    pose->sensors.reset();
+    pose->lidar_frames.clear();
     pose->calibration_problem = error.what();
   }
 }
@@ -94,7 +120,7 @@ void writePoseFile(const std::string& path, const SavedPose& pose) {
     writePose("base_in_odom", pose.odometry->base_in_odom, &file);
     file << "odometry_stamp: " << pose.odometry->stamp << '\n';
   }
-  if (pose.sensors) writeCalibration(*pose.sensors, &file);
+  if (pose.sensors) writeCalibration(pose, &file);
   file.close();
   std::error_code error;
   if (file) std::filesystem::rename(draft, path, error);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "racecar_mcl/filter/pose_estimate.h"
 #include "racecar_mcl/localizer/sensor_calibration.h"
@@ -21,6 +22,9 @@ struct SavedPose {
   Pose2 base_in_map;
   std::optional<OdometryPose> odometry;  ///< at that pose
   std::optional<SensorCalibration> sensors;
+  /// Of sensors->lidars; a lidar with no or an empty frame is not saved. None in files of earlier
+  /// versions, which have the calibration of one lidar.
+  std::vector<std::string> lidar_frames = {};
   std::string calibration_problem = {};  ///< why the file's calibration cannot be read; else empty
 };
 

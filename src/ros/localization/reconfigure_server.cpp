@@ -49,7 +49,8 @@ Config limits(Config config, bool upper) {
 
 dynamic_reconfigure::ConfigDescription describe(const NodeParameters& parameters) {
   dynamic_reconfigure::ConfigDescription description;
-  description.dflt = toConfig(NodeParameters{});
+  const NodeParameters defaults;
+  description.dflt = toConfig(defaults);
   description.min = limits(description.dflt, false);
   description.max = limits(description.dflt, true);
   dynamic_reconfigure::Group group;

@@ -233,5 +233,31 @@ TEST_F(LidarOdometryTest, HandlesScansWithoutReturns) {
   }
 }
 
+TEST_F(LidarOdometryTest, KeepsKeyframesOfEachLidar) {
+  // The rear lidar alone sees the wall behind: its scans measure the motion along the corridor.
+  Sweep ahead{120, 1.0, 0.0, {0.27, 0.0, 0.0}};
+  Sweep behind{120, 1.0, 0.0, {-0.1, 0.0, kPi}};
+  room_ = {200.0, 2.0};
+  start_ = {2.0, 1.0, 0.0};
+  const auto scanOf = [&](int lidar, double time) {
+    sweep_ = lidar == 0 ? ahead : behind;
+    Scan scan = scanAt(time);
+    scan.lidar = lidar;
+    return scan;
+  };
+  LidarOdometry odometry = fresh();
+  odometry.remember(scanOf(0, 0.0), truthAt(0.0));
+  odometry.remember(scanOf(1, 0.0), truthAt(0.0));
+  Pose2 refined = truthAt(0.0);
+  for (int i = 1; i <= 100; ++i) {
+    Motion motion = motionTo(i * kPeriod, 0.1);
+    refined = compose(refined, odometry.refine(motion, scanOf(0, i * kPeriod)).delta);
+    motion.delta = {};
+    motion.distance = motion.rotation = motion.seconds = 0.0;
+    refined = compose(refined, odometry.refine(motion, scanOf(1, i * kPeriod)).delta);
+  }
+  expectNear(refined, truthAt(100 * kPeriod), 0.15, 0.02);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

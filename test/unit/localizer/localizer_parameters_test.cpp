@@ -68,7 +68,7 @@ TEST_F(LocalizerTest, EachComponentFollowsChangedParameters) {
   changed.protection.integrity_risk = 1e-6;
   changed.odometry.max_odometry_extrapolation = 0.0;
   localizer.setParameters(changed, localizer.map());
-  EXPECT_TRUE(localizer.scanDirection().isReversed());
+  EXPECT_TRUE(localizer.sensorCalibration().lidars.at(0).scan_reversed);
   ScanResult last;
   drive(&localizer, 1.0, 1.1, [&](const ScanResult& result) { last = result; });
   EXPECT_EQ(last.update.beams, 30);
@@ -82,9 +82,9 @@ TEST_F(LocalizerTest, EachComponentFollowsChangedParameters) {
 
 TEST_F(LocalizerTest, TheAcquisitionOrderOfTheBeamsIsAParameter) {
   LocalizerParameters parameters = fewBeams();
-  EXPECT_FALSE(started(parameters).scanDirection().isReversed());
+  EXPECT_FALSE(started(parameters).sensorCalibration().lidars.at(0).scan_reversed);
   parameters.scan_direction = ScanDirectionFrom::kReversed;
-  EXPECT_TRUE(started(parameters).scanDirection().isReversed());
+  EXPECT_TRUE(started(parameters).sensorCalibration().lidars.at(0).scan_reversed);
 }
 
 TEST(LocalizerParameters, AreCheckedInEveryPart) {

@@ -92,7 +92,7 @@ TEST_F(InputWatchdogTest, NamesASilentLidarWhileOthersGoOn) {
   const LocalizationStatus status = watchdog_.monitor(status_, 103.0);
   EXPECT_EQ(status.state, LocalizationState::kLocalized);
   EXPECT_EQ(status.reason, "95 % inliers; no usable scan of /left for 3.0 s and of rear for 3.0 s");
-  EXPECT_EQ(watchdog_.silentLidars(), "/left for 3.0 s and of rear for 3.0 s");
+  EXPECT_EQ(watchdog_.silentLidars(), "/left, rear");
   watchdog_.forgetLidar("/left");
   watchdog_.recordScan(103.0, "rear");
   EXPECT_EQ(watchdog_.monitor(status_, 103.0).reason, status_.reason);

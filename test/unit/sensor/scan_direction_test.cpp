@@ -23,10 +23,10 @@ TEST(ScanDirection, ChangesByManyScansAndNotByOne) {
   order.learn(-1e9, 0.2);
   order.learn(std::numeric_limits<double>::quiet_NaN(), 0.2);
   EXPECT_FALSE(order.isReversed());
-  EXPECT_STREQ(order.word(), "listed");
+  EXPECT_STREQ(scanDirectionName(order.isReversed()), "listed");
   for (int i = 0; i < 10 && !order.isReversed(); ++i) order.learn(-0.9, 0.2);
   EXPECT_TRUE(order.isReversed());
-  EXPECT_STREQ(order.word(), "reversed");
+  EXPECT_STREQ(scanDirectionName(order.isReversed()), "reversed");
   for (int i = 0; i < 10 && order.isReversed(); ++i) order.learn(-0.9, 0.2);
   EXPECT_FALSE(order.isReversed());
 }
@@ -98,22 +98,22 @@ class ClockwiseLidarTest : public LocalizerTest {
 TEST_F(ClockwiseLidarTest, IsDetected) {
   Localizer learned = started(by(ScanDirectionFrom::kAuto));
   const double error = drive(&learned, true);
-  EXPECT_TRUE(learned.scanDirection().isReversed());
+  EXPECT_TRUE(learned.lidars().front().direction.isReversed());
   Localizer told = started(by(ScanDirectionFrom::kReversed));
   EXPECT_NEAR(error, drive(&told, true), 0.01);
   Localizer resumed = started(by(ScanDirectionFrom::kAuto));
   resumed.resumeCalibration(learned.sensorCalibration());
-  EXPECT_TRUE(resumed.scanDirection().isReversed());
+  EXPECT_TRUE(resumed.lidars().front().direction.isReversed());
   Localizer misled = started(by(ScanDirectionFrom::kListed));
   EXPECT_GT(drive(&misled, true), 3.0 * error);
   misled.resumeCalibration(learned.sensorCalibration());
-  EXPECT_FALSE(misled.scanDirection().isReversed());
+  EXPECT_FALSE(misled.lidars().front().direction.isReversed());
 }
 
 TEST_F(ClockwiseLidarTest, ACounterClockwiseOneIsNotChanged) {
   Localizer localizer = started(by(ScanDirectionFrom::kAuto));
   EXPECT_LT(drive(&localizer, false), 0.03);
-  EXPECT_FALSE(localizer.scanDirection().isReversed());
+  EXPECT_FALSE(localizer.lidars().front().direction.isReversed());
 }
 
 TEST_F(ClockwiseLidarTest, NegativeTimesAreAccepted) {
@@ -134,7 +134,7 @@ TEST_F(ClockwiseLidarTest, OrderIsNotEstimatedWithoutDeskewing) {
   parameters.scan.deskew = false;
   Localizer localizer = started(parameters);
   drive(&localizer, true);
-  EXPECT_FALSE(localizer.scanDirection().isReversed());
+  EXPECT_FALSE(localizer.lidars().front().direction.isReversed());
 }
 
 }  // namespace
