@@ -16,6 +16,8 @@ class ScanClocks {
  public:
   /// `clock_jump`: s, as in OdometryParameters.
   explicit ScanClocks(double clock_jump);
+  /// For the stamps from now on.
+  void setClockJump(double clock_jump);
 
   /// kUsed if the stamp is newer than that of the lidar's last used scan, and not much older than
   /// that of another lidar. A second stamp that is older by clock_jump or more restarts the time of

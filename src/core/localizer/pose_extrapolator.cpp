@@ -29,6 +29,7 @@ void PoseExtrapolator::setParameters(const OdometryParameters& odometry,
                                      const MotionModelParameters& motion) {
   const Lock lock(*mutex_);
   odometry_.setParameters(odometry);
+  scan_clocks_.setClockJump(odometry.clock_jump);
   parameters_ = odometry;
   motion_parameters_ = motion;
 }

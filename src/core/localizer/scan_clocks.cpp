@@ -24,6 +24,11 @@ double knownPeriod(double period) { return period > 0.0 ? period : kUnknownPerio
 ScanClocks::ScanClocks(double clock_jump)
     : clock_jump_(clock_jump), clocks_(kMaxLidars, {{}, ClockJumpDetector(clock_jump)}) {}
 
+void ScanClocks::setClockJump(double clock_jump) {
+  clock_jump_ = clock_jump;
+  for (ScanClock& clock : clocks_) clock.clock_jump.setMaxBack(clock_jump);
+}
+
 void ScanClocks::reset() { *this = ScanClocks(clock_jump_); }
 
 void ScanClocks::recordUsed(double stamp, int lidar) {

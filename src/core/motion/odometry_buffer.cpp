@@ -79,6 +79,7 @@ OdometryBuffer::OdometryBuffer(const OdometryParameters& parameters)
 void OdometryBuffer::setParameters(const OdometryParameters& parameters) {
   validate(parameters);
   parameters_ = parameters;
+  clock_jump_.setMaxBack(parameters.clock_jump);
 }
 
 OdometryOutcome OdometryBuffer::add(const OdometrySample& sample) {

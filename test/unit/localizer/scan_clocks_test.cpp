@@ -34,6 +34,14 @@ TEST_F(ScanClocksTest, AScanThatArrivesAfterANewerOneOfAnotherLidarIsEvaluatedAt
   EXPECT_EQ(take(9.6, 2), ScanOutcome::kOutOfOrder) << "0.4 s behind another lidar";
 }
 
+TEST_F(ScanClocksTest, TakesAnotherClockJump) {
+  EXPECT_EQ(take(10.0, 0), ScanOutcome::kUsed);
+  EXPECT_EQ(take(9.5, 0), ScanOutcome::kOutOfOrder);
+  clocks_.setClockJump(0.4);
+  EXPECT_EQ(take(9.5, 0), ScanOutcome::kStampOutlier);
+  EXPECT_EQ(take(9.52, 0), ScanOutcome::kTimeJumpedBack);
+}
+
 TEST_F(ScanClocksTest, ASetBackClockIsThatOfAllLidars) {
   for (int i = 0; i < 5; ++i) {
     EXPECT_EQ(take(100.0 + 0.02 * i, 0), ScanOutcome::kUsed);

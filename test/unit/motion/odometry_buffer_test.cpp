@@ -316,5 +316,16 @@ TEST(OdometryParameters, DefineAJumpOfTheClock) {
   EXPECT_EQ(history.add(twistAt(9.52, {2.0, 0.0, 0.0})), OdometryOutcome::kTimeJumpedBack);
 }
 
+TEST(OdometryParameters, ApplyToTheNextMessage) {
+  OdometryParameters parameters;
+  OdometryBuffer history(parameters);
+  history.add(twistAt(10.0, {2.0, 0.0, 0.0}));
+  EXPECT_EQ(history.add(twistAt(9.5, {2.0, 0.0, 0.0})), OdometryOutcome::kOutOfOrder);
+  parameters.clock_jump = 0.4;
+  history.setParameters(parameters);
+  EXPECT_EQ(history.add(twistAt(9.5, {2.0, 0.0, 0.0})), OdometryOutcome::kStampOutlier);
+  EXPECT_EQ(history.add(twistAt(9.52, {2.0, 0.0, 0.0})), OdometryOutcome::kTimeJumpedBack);
+}
+
 }  // namespace
 }  // namespace racecar_mcl
