@@ -99,12 +99,10 @@ void replay(const Options& o) {
   requireResult(record);
   const std::optional<TrajectoryErrors> errors = errorsOf(record.trajectory, truth, o.max_gap);
 
-  const ReplayMetadata description{prepared.parameters,
-                                   o.seed,
-                                   RACECAR_MCL_VERSION,
-                                   localizer.counters(),
-                                   localizer.sensorCalibration(),
-                                   toString(localizer.calibration().gyro().use())};
+  const ReplayMetadata description{
+      prepared.parameters,           o.seed,
+      RACECAR_MCL_VERSION,           localizer.counters(),
+      localizer.sensorCalibration(), toString(localizer.calibration().gyro().use())};
   writeReport(o.out, record, summaryJson(record, description, errors));
   if (video) video->finish();
   if (!o.particles.empty()) writeFile(o.particles, particles.csv());
