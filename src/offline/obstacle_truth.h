@@ -46,6 +46,7 @@ inline std::vector<bool> obstaclesInView(const std::vector<sim::Obstacle>& obsta
     hits[*hit].emplace_back(origin + nearest * direction);
   }
   std::vector<bool> in_view;
+  in_view.reserve(hits.size());
   for (const std::vector<Eigen::Vector2d>& seen : hits) {
     in_view.push_back(!seen.empty() && (seen.back() - seen.front()).norm() >= kMinWidth);
   }
