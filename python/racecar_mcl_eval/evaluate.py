@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import EvaluationError, assessment, consistency, grid_map, protection, run_figures, scan_match
+from . import (EvaluationError, assessment, consistency, grid_map, protection, run_figures, scan_match,
+               status_figures)
 from .cli import exit_status
 from .columns import DEGRADED, INLIER_RATIO, LOST, OUTCOME, REJECTED, STATUS
 from .html_report import Cell, HtmlReport
@@ -269,7 +270,7 @@ def build(page, runs, consistencies, matches, protections, plan, lost_error):
                       "Medians and their ratio while localized. Axes of the estimated pose.")
         for index, (run, each) in enumerate(zip(runs, protections)):
             if each is not None:
-                section.figure(run_figures.stanford(run, each), f"stanford-{index + 1}",
+                section.figure(status_figures.stanford(run, each), f"stanford-{index + 1}",
                                f"{run.name}: level against error of every update (Stanford diagram). Below the "
                                "diagonal: misleading; level above the alarm limit of "
                                f"{protection.ALARM_LIMIT:g} m: unavailable. Outliers are drawn at the edge.")
@@ -285,12 +286,12 @@ def build(page, runs, consistencies, matches, protections, plan, lost_error):
                        f"{grid_map.MAX_DISTANCE:g} m), and inlier ratio (within {scan_match.INLIER_DISTANCE:g} m).")
     if any(run.updates.column("update_ms") is not None for run in runs):
         section = page.section("Filter")
-        section.figure(run_figures.filter_over_time(runs), "filter",
+        section.figure(status_figures.filter_over_time(runs), "filter",
                        "Update time, effective sample size and number of particles.")
     rows = timeline_rows(runs, lost_error)
     if rows:
         section = page.section("Status timeline")
-        section.figure(run_figures.timeline(runs, rows), "timeline",
+        section.figure(status_figures.timeline(runs, rows), "timeline",
                        "Status reported by each run, and intervals with a large error.")
         intervals = interval_table(runs, lost_error)
         if intervals:
@@ -300,7 +301,7 @@ def build(page, runs, consistencies, matches, protections, plan, lost_error):
             section.text("No large errors; no status degraded or lost.")
         for index, (run, each) in enumerate(zip(runs, protections)):
             if run.updates.column(STATUS) is not None:
-                section.figure(run_figures.status_over_time(run, each), f"status-{index + 1}",
+                section.figure(status_figures.status_over_time(run, each), f"status-{index + 1}",
                                f"{run.name}: " + ("error and " if run.errors is not None else "") + "status" +
                                (", and classification of the beams."
                                 if run.updates.column(INLIER_RATIO) is not None else "."))

@@ -5,8 +5,7 @@ import numpy as np
 from mpl_toolkits import mplot3d
 
 from ..programs import ROOT
-from ..run_figures import TRUTH_UNDER
-from ..plot_style import COLOURS, TRUTH, WIDTH, colour, new_figure, plt
+from ..plot_style import COLOURS, TRUTH, TRUTH_UNDER, WIDTH, colour, new_figure, plt
 from .runner import REPORT
 from .tracking import CORRIDOR, loop
 

@@ -6,8 +6,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from ..html_report import Cell
-from ..run_figures import TRUTH_UNDER
-from ..plot_style import BAD, COLOURS, TRUTH, WIDTH, new_figure, plt
+from ..plot_style import BAD, COLOURS, TRUTH, TRUTH_UNDER, WIDTH, new_figure, plt
 from .tracking import CONFIG_COLOURS, CONFIGS, CORRIDOR, loop, start_pose
 from .runner import CONFIG_NAMES, DEFAULT, seeds_text
 

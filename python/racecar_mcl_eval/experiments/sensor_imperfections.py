@@ -6,8 +6,7 @@ import yaml
 from ..grid_map import OCCUPIED
 from ..columns import INLIER_RATIO
 from ..html_report import Cell
-from ..run_figures import TRUTH_UNDER
-from ..plot_style import BAD, COLOURS, frame_on, new_figure
+from ..plot_style import BAD, COLOURS, TRUTH_UNDER, frame_on, new_figure
 from .tracking import CORRIDOR, beside, start_pose
 from .runner import CONFIG_NAMES, DEFAULT, seeds_text
 

@@ -6,8 +6,7 @@ from matplotlib.lines import Line2D
 from .. import consistency
 from ..html_report import Banner, Cell
 from ..programs import ROOT
-from ..run_figures import TRUTH_UNDER
-from ..plot_style import BAD, COLOURS, TRUTH, frame_on, new_figure
+from ..plot_style import BAD, COLOURS, TRUTH, TRUTH_UNDER, frame_on, new_figure
 from .runner import CONFIG_NAMES, DEFAULT, REPORT, seeds_text
 
 CORRIDOR = ROOT / "maps/corridor.yaml"
