@@ -14,8 +14,8 @@
 #include "offline/output_files.h"
 #include "offline/simulated_drive.h"
 #include "parameter_options.h"
+#include "racecar_mcl/map/map_writer.h"
 #include "sim/map_faults.h"
-#include "sim/map_files.h"
 
 namespace racecar_mcl {
 namespace {
@@ -91,8 +91,9 @@ DriveEvaluation evaluateDrive(Fault fault, const Setting& setting,
   if (setting.map_fault != "none") course.map = makeLocalizationMap(wrong.map, parameters);
   if (!options.maps_out.empty()) {
     const std::string name = wrongMapName(setting, seed);
-    writeFolder(options.maps_out, {{name + ".yaml", sim::toMapYaml(wrong.map, name + ".pgm")},
-                                   {name + ".pgm", sim::toPgm(wrong.map)}});
+    writeFolder(options.maps_out,
+                {{name + ".yaml", toMapYaml(wrong.map.geometry(), name + ".pgm", MapMode::kRaw)},
+                 {name + ".pgm", toPgm(wrong.map, MapMode::kRaw)}});
   }
   SimulatedDrive drive(course, parameters, {}, pose, options.speed, seed);
   placeObstacles(fault, course, wrong.boxes, seed, random, &drive);

@@ -100,12 +100,7 @@ cv::Mat draw(const Options& o, const OccupancyGrid& grid, const std::vector<Plac
     for (int column = 0; column < geometry.width; ++column) {
       const bool is_free = grid.isFree({column, row});
       cells.at<cv::Vec3b>(geometry.height - 1 - row, column) =
-          is_free ? cv::Vec3b::all(255)
-                  : cv::Vec3b::all(grid.cells()[static_cast<std::size_t>(row) *
-                                                    static_cast<std::size_t>(geometry.width) +
-                                                static_cast<std::size_t>(column)] > 0
-                                       ? 40
-                                       : 205);
+          is_free ? cv::Vec3b::all(255) : cv::Vec3b::all(grid.at({column, row}) > 0 ? 40 : 205);
     }
   }
   const std::vector<Level> levels = levelsOf(o.blind);

@@ -165,8 +165,8 @@ void findMapChanges(const Options& o) {
   std::cout << views << " of " << record.scans_seen << " scans compared with the map\n"
             << changesText(changes);
   if (o.output.empty()) return;
-  writeFolder(o.output, {{kPgm, toTrinaryPgm(applyChanges(grid, changes))},
-                         {kYaml, toTrinaryYaml(grid.geometry(), kPgm)},
+  writeFolder(o.output, {{kPgm, toPgm(applyChanges(grid, changes), MapMode::kTrinary)},
+                         {kYaml, toMapYaml(grid.geometry(), kPgm, MapMode::kTrinary)},
                          {kPicture, toPng(drawChanges(grid, changes))},
                          {kTable, changesCsv(changes)}});
 }

@@ -18,9 +18,8 @@
 namespace racecar_mcl {
 namespace {
 
-constexpr double kStartTime = 1000.0;   // s; ROS treats 0 as unset
-constexpr double kDriverPeriod = 0.02;  // s, control period
-constexpr double kMaxLapTime = 300.0;   // s
+constexpr double kStartTime = 1000.0;  // s; ROS treats 0 as unset
+constexpr double kMaxLapTime = 300.0;  // s
 
 struct Options {
   std::string bag;
@@ -145,7 +144,7 @@ Drive driveAndRecord(const Options& o, sim::Simulator& simulator, SimulationReco
     const sim::Truth before = simulator.truth();
     const sim::Command command =
         driver.drive(simulator.look(), before.twist.vx, simulator.collided());
-    for (const sim::Event& event : simulator.advance(kDriverPeriod, command)) {
+    for (const sim::Event& event : simulator.advance(sim::kControlPeriod, command)) {
       recorder.write(event);
     }
     const sim::Truth truth = simulator.truth();
@@ -156,7 +155,8 @@ Drive driveAndRecord(const Options& o, sim::Simulator& simulator, SimulationReco
     if (laps.laps() > drive.laps) lap_start = drive.seconds;
     drive.laps = laps.laps();
     if (terminal && steps % 50 == 0) showProgress(o, drive);
-    const bool time_is_up = o.duration > 0.0 && drive.seconds >= o.duration - kDriverPeriod / 2.0;
+    const bool time_is_up =
+        o.duration > 0.0 && drive.seconds >= o.duration - sim::kControlPeriod / 2.0;
     if (time_is_up || (o.laps > 0 && drive.laps >= o.laps)) break;
     if (o.duration == 0.0 && drive.seconds - lap_start > kMaxLapTime) {
       throw std::runtime_error("lap " + std::to_string(drive.laps + 1) +

@@ -77,10 +77,7 @@ void BoundsMatch::add(const Scan& scan, const Pose2& base_in_map,
 double BoundsMatch::distanceAt(const Eigen::Vector2d& point_in_map) const {
   const Cell cell = cellAt(geometry_, point_in_map);
   if (!contains(geometry_, cell)) return HUGE_VAL;
-  const auto index =
-      static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry_.width) +
-      static_cast<std::size_t>(cell.column);
-  return geometry_.resolution * static_cast<double>(distances_[index]);
+  return geometry_.resolution * static_cast<double>(distances_[CellIndex(geometry_)(cell)]);
 }
 
 }  // namespace racecar_mcl

@@ -39,6 +39,7 @@ void traverse(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Visit&& vi
 
 CellEvidence::CellEvidence(const OccupancyGrid& grid)
     : geometry_(grid.geometry()),
+      index_(geometry_),
       obstacles_(obstacleMask(grid, UnknownIs::kFree)),
       surface_distances_(
           obstacleDistances(findSurfaces(grid).visible, geometry_.width, geometry_.height)),
@@ -46,11 +47,6 @@ CellEvidence::CellEvidence(const OccupancyGrid& grid)
       ended_(grid.cells().size(), 0),
       near_(grid.cells().size(), 0),
       passed_(grid.cells().size(), 0) {}
-
-std::size_t CellEvidence::index(const Cell& cell) const {
-  return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry_.width) +
-         static_cast<std::size_t>(cell.column);
-}
 
 int CellEvidence::toleranceCells(double tolerance) const {
   return std::max(1, static_cast<int>(std::lround(tolerance / geometry_.resolution)));
@@ -74,7 +70,7 @@ void CellEvidence::addEnd(const Eigen::Vector2d& end, double tolerance, double s
   for (int row = at.row - reach; row <= at.row + reach; ++row) {
     for (int column = at.column - reach; column <= at.column + reach; ++column) {
       if (!contains(geometry_, {column, row})) continue;
-      const std::size_t i = index({column, row});
+      const std::size_t i = index_({column, row});
       at_surface = at_surface || surface_distances_[i] == 0.0f;
       if (near_[i] == views_) continue;
       near_[i] = views_;
@@ -82,7 +78,7 @@ void CellEvidence::addEnd(const Eigen::Vector2d& end, double tolerance, double s
     }
   }
   if (at_surface || !contains(geometry_, at)) return;
-  const std::size_t i = index(at);
+  const std::size_t i = index_(at);
   if (ended_[i] == views_) return;
   ended_[i] = views_;
   CellViews& cell = cells_[i];
@@ -99,7 +95,7 @@ void CellEvidence::addPassed(const Eigen::Vector2d& lidar, const Eigen::Vector2d
   crossed_.clear();
   traverse(from, to, [&](const Cell& cell) {
     if (!contains(geometry_, cell)) return;
-    const std::size_t i = index(cell);
+    const std::size_t i = index_(cell);
     if (near_[i] == views_) return;
     if (surface_distances_[i] > reach + 0.5f) {
       for (const std::size_t crossed : crossed_) pass(crossed);

@@ -47,9 +47,9 @@ class CellEvidence {
   void addEnd(const Eigen::Vector2d& end, double tolerance, double stamp);
   void addPassed(const Eigen::Vector2d& lidar, const Eigen::Vector2d& end, double tolerance);
   void pass(std::size_t cell);
-  std::size_t index(const Cell& cell) const;
 
   GridGeometry geometry_;
+  CellIndex index_;
   std::vector<std::uint8_t> obstacles_;   ///< 1 for obstacle cells
   std::vector<float> surface_distances_;  ///< cells, to the nearest visible surface
   std::vector<CellViews> cells_;

@@ -15,7 +15,8 @@ constexpr double kMaxTolerance = 0.15;  // m; beams with less accurate ends are 
 // After a kidnapping the status remains `localized` for less than that.
 constexpr double kConfirmationTime = 2.0;  // s
 
-/// Beams without a return are no evidence: glass and dark surfaces return none.
+}  // namespace
+
 View viewOf(const PoseEstimate& estimate, const Scan& beams) {
   const Pose2 lidar = compose(estimate.base_in_map, beams.laser_in_base);
   const Eigen::Vector2d base(estimate.base_in_map.x, estimate.base_in_map.y);
@@ -41,8 +42,6 @@ View viewOf(const PoseEstimate& estimate, const Scan& beams) {
   view.tolerances.conservativeResize(count);
   return view;
 }
-
-}  // namespace
 
 void MapChangeDetector::add(const Localizer& localizer, const Scan& scan,
                             const ScanResult& result) {

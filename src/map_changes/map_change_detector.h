@@ -10,6 +10,10 @@
 
 namespace racecar_mcl {
 
+/// `beams`: corrected and deskewed, seen from the pose. Beams without a return are no evidence, nor
+/// those whose end is uncertain by the pose.
+View viewOf(const PoseEstimate& estimate, const Scan& beams);
+
 /// Selects the scans that are views: the pose is accurate, and the car has moved since the last
 /// view. The status is `localized`, or `degraded` between two times at which it is `localized`: it
 /// is degraded where much has changed.

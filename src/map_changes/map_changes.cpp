@@ -40,16 +40,15 @@ CellChange classify(std::int8_t value, const CellViews& cell, const MapChangePar
 std::vector<std::size_t> takeRegion(const GridGeometry& geometry,
                                     const std::vector<CellChange>& changes, std::size_t seed,
                                     std::vector<bool>* open) {
-  const auto width = static_cast<std::size_t>(geometry.width);
+  const CellIndex index(geometry);
   std::vector<std::size_t> region{seed};
   (*open)[seed] = false;
   for (std::size_t next = 0; next < region.size(); ++next) {
-    const Cell at{static_cast<int>(region[next] % width), static_cast<int>(region[next] / width)};
+    const Cell at = index.cell(region[next]);
     for (int row = at.row - kMaxStep; row <= at.row + kMaxStep; ++row) {
       for (int column = at.column - kMaxStep; column <= at.column + kMaxStep; ++column) {
         if (!contains(geometry, {column, row})) continue;
-        const std::size_t i =
-            static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column);
+        const std::size_t i = index({column, row});
         if (!(*open)[i] || changes[i] != changes[seed]) continue;
         (*open)[i] = false;
         region.push_back(i);
@@ -62,13 +61,12 @@ std::vector<std::size_t> takeRegion(const GridGeometry& geometry,
 ChangedRegion describe(const GridGeometry& geometry, CellChange kind,
                        const std::vector<std::size_t>& cells,
                        const std::vector<CellViews>& evidence) {
-  const auto width = static_cast<std::size_t>(geometry.width);
   ChangedRegion region;
   region.kind = kind;
   region.cells = static_cast<int>(cells.size());
   Eigen::Array2i low(geometry.width, geometry.height), high(-1, -1);
   for (const std::size_t i : cells) {
-    const Cell cell{static_cast<int>(i % width), static_cast<int>(i / width)};
+    const Cell cell = CellIndex(geometry).cell(i);
     low = low.min(Eigen::Array2i(cell.column, cell.row));
     high = high.max(Eigen::Array2i(cell.column, cell.row));
     region.centre_in_map += cellCentre(geometry, cell) / static_cast<double>(cells.size());

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -11,8 +10,8 @@
 
 #include "map_changes/map_change_detector.h"
 #include "offline/fault_injection.h"
+#include "offline/wrong_course.h"
 #include "racecar_mcl/map/distance_field.h"
-#include "sim/map_faults.h"
 
 namespace racecar_mcl {
 
@@ -33,7 +32,7 @@ struct ChangedCourse {
   Course course;
   Pose2 start;
   std::vector<sim::Obstacle> boxes;
-  OccupancyGrid truth;  ///< the localizer's map with the changes
+  OccupancyGrid truth;  ///< the map of the world with the boxes
 };
 
 /// A changed cell is found if one of its kind is reported within this distance (m); others are
@@ -41,6 +40,7 @@ struct ChangedCourse {
 constexpr double kMaxChangeError = 0.1;
 /// The scans at the true pose that make a changed cell visible.
 constexpr std::uint32_t kVisibleFrom = 40;
+constexpr int kTrueBeams = 400;  // of each of these scans
 
 struct MapChangeScore {
   int visible_new = 0, found_new = 0;        ///< cells
@@ -49,15 +49,12 @@ struct MapChangeScore {
   double mean_error = 0.0, max_error = 0.0;  ///< m, of the pose
 };
 
-/// Throws as loadCourse and makeWrongMap.
+/// Throws as loadWrongCourse.
 inline ChangedCourse changedCourse(const MapChangeDrive& settings) {
   const LocalizerParameters parameters;
-  Course course = loadCourse(settings.map, parameters);
-  Pose2 start;
-  sim::loadStartPose(settings.map, start);
   Random random(settings.seed);
-  sim::WrongMap wrong = sim::makeWrongMap(sim::mapFaults().at(settings.map_fault), course.map->grid,
-                                          *course.world, start, random);
+  auto [course, start, wrong] =
+      loadWrongCourse(settings.map, settings.map_fault, parameters, random);
   OccupancyGrid truth = course.map->grid;
   if (settings.erased_walls > 0.0) {
     truth = sim::eraseWalls(truth, settings.erased_walls, random);
@@ -74,7 +71,7 @@ inline ChangedCourse changedCourse(const MapChangeDrive& settings) {
   return {std::move(course), start, std::move(boxes), std::move(truth)};
 }
 
-/// Runs a MapChangeDetector on a drive. `score`: receives the errors of the pose.
+/// Runs a MapChangeDetector on a drive. The scene must outlive it.
 class MapChangeEvaluation {
  public:
   MapChangeEvaluation(const MapChangeDrive& settings, const ChangedCourse& scene)
@@ -94,7 +91,8 @@ class MapChangeEvaluation {
     drive.drive(settings.seconds, [&](const Observation& observation) {
       if (!hasEstimate(observation.result.outcome)) return;
       detector_.add(drive.localizer(), scan, observation.result);
-      seen_.add(trueView(drive.localizer(), scan, observation.base_in_map));
+      const PoseEstimate truth{observation.base_in_map, Eigen::Matrix3d::Zero()};
+      seen_.add(viewOf(truth, drive.localizer().correctedScan(scan, kTrueBeams)));
       score_.mean_error += observation.error;
       score_.max_error = std::max(score_.max_error, observation.error);
       ++scans;
@@ -109,27 +107,6 @@ class MapChangeEvaluation {
   std::uint32_t views() const { return detector_.views(); }
 
  private:
-  static View trueView(const Localizer& localizer, const Scan& scan, const Pose2& base_in_map) {
-    const Scan beams = localizer.correctedScan(scan, 400);
-    const Pose2 lidar = compose(base_in_map, beams.laser_in_base);
-    View view;
-    view.stamp = scan.stamp;
-    view.lidar_in_map = {lidar.x, lidar.y};
-    view.ends_in_map.resize(2, beams.size());
-    view.tolerances.setZero(beams.size());
-    Eigen::Index count = 0;
-    for (Eigen::Index k = 0; k < beams.size(); ++k) {
-      const auto range = static_cast<double>(beams.ranges[k]);
-      const double angle = lidar.yaw + static_cast<double>(beams.bearings[k]);
-      if (!std::isfinite(range)) continue;
-      view.ends_in_map.col(count++) =
-          view.lidar_in_map + range * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-    }
-    view.ends_in_map.conservativeResize(2, count);
-    view.tolerances.conservativeResize(count);
-    return view;
-  }
-
   void judge() {
     const OccupancyGrid& map = scene_.course.map->grid;
     const std::vector<std::uint8_t> before = obstacleMask(map, UnknownIs::kFree);
@@ -164,10 +141,7 @@ class MapChangeEvaluation {
       ++score_.regions;
       const Cell at = cellAt(geometry, region.centre_in_map);
       const double radius = kMaxChangeError + 0.5 * region.size.norm();
-      const double away =
-          to_truth[static_cast<std::size_t>(at.row) * static_cast<std::size_t>(geometry.width) +
-                   static_cast<std::size_t>(at.column)] *
-          geometry.resolution;
+      const double away = to_truth[CellIndex(geometry)(at)] * geometry.resolution;
       score_.false_regions += away > radius ? 1 : 0;
     }
   }

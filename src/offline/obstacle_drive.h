@@ -9,7 +9,7 @@
 
 #include "offline/fault_injection.h"
 #include "offline/obstacle_evaluation.h"
-#include "sim/map_faults.h"
+#include "offline/wrong_course.h"
 
 namespace racecar_mcl {
 
@@ -26,8 +26,7 @@ struct ObstacleDrive {
   ObstacleDetectionParameters detection;
 };
 
-constexpr double kObstacleControlPeriod = 0.02;  // s
-constexpr double kCarAheadLead = 0.6;            // s
+constexpr double kCarAheadLead = 0.6;  // s
 
 /// The true poses of a drive without obstacles, one per control step.
 inline std::vector<Pose2> recordTruth(const ObstacleDrive& settings, const Course& course,
@@ -53,15 +52,12 @@ inline sim::Obstacle carAt(const Pose2& base_in_map) {
   return box;
 }
 
-/// Throws as loadCourse and makeWrongMap.
+/// Throws as loadWrongCourse.
 inline ObstacleScore driveOnce(const ObstacleDrive& settings) {
   const LocalizerParameters parameters;
-  Course course = loadCourse(settings.map, parameters);
-  Pose2 start;
-  sim::loadStartPose(settings.map, start);
   Random random(settings.seed);
-  sim::WrongMap wrong = sim::makeWrongMap(sim::mapFaults().at(settings.map_fault), course.map->grid,
-                                          *course.world, start, random);
+  auto [course, start, wrong] =
+      loadWrongCourse(settings.map, settings.map_fault, parameters, random);
   if (settings.wall_displacement > 0.0) {
     constexpr double kWave = 2.0;  // rad/m
     wrong.map = sim::distort(wrong.map, settings.wall_displacement,
@@ -73,7 +69,7 @@ inline ObstacleScore driveOnce(const ObstacleDrive& settings) {
   SimulatedDrive drive(course, parameters, simulator, start, settings.speed, settings.seed);
   drive.localizer().initialize(startAt(start));
   if (settings.has_car_ahead) {
-    const auto lead = static_cast<std::size_t>(std::lround(kCarAheadLead / kObstacleControlPeriod));
+    const auto lead = static_cast<std::size_t>(std::lround(kCarAheadLead / sim::kControlPeriod));
     drive.before_control_step = [poses = recordTruth(settings, course, start),
                                  step = lead](sim::Simulator* car) mutable {
       car->setObstacles({carAt(poses[std::min(step++, poses.size() - 1)])});

@@ -15,8 +15,7 @@
 
 namespace racecar_mcl {
 
-constexpr double kRaceControlPeriod = 0.02;  // s
-constexpr double kOpponentMargin = 0.4;      // m, at 7.6 m/s it moves by 0.3 m until a scan arrives
+constexpr double kOpponentMargin = 0.4;  // m, at 7.6 m/s it moves by 0.3 m until a scan arrives
 
 /// The laps of one drive along a raceline.
 class RaceRecorder {
@@ -43,7 +42,7 @@ class RaceRecorder {
   RaceScore drive(int evaluated_laps, Step step) {
     const double slowest_lap = raceline_.length() / raceline_.minSpeed();
     const auto max_steps =
-        std::lround(2.0 * (evaluated_laps + 1) * slowest_lap / kRaceControlPeriod);
+        std::lround(2.0 * (evaluated_laps + 1) * slowest_lap / sim::kControlPeriod);
     for (long i = 0; i < max_steps && laps() <= evaluated_laps; ++i) step();
     score.lap_times = timer_.lapTimes();
     return score;
@@ -73,7 +72,7 @@ inline RaceScore raceOnTruth(const RaceTrack& track, const RaceSettings& setting
   return recorder.drive(settings.laps, [&] {
     const sim::Truth truth = simulator.truth();
     recorder.update(truth, truth.base_in_map);
-    simulator.advance(kRaceControlPeriod, driver.drive(truth.base_in_map));
+    simulator.advance(sim::kControlPeriod, driver.drive(truth.base_in_map));
     recorder.score.collisions = simulator.collisions();
   });
 }
@@ -110,7 +109,7 @@ inline RaceScore raceOnEstimate(const RaceTrack& track, const LocalizerParameter
     return isNear(drive.simulator().obstacles(), point);
   };
   return recorder.drive(settings.laps, [&] {
-    drive.drive(kRaceControlPeriod, [&](const Observation& seen) {
+    drive.drive(sim::kControlPeriod, [&](const Observation& seen) {
       if (recorder.laps() < 1 || !hasEstimate(seen.result.outcome)) return;
       const Scan deskewed = drive.localizer().correctedScan(scan, static_cast<int>(scan.size()));
       bounds.add(deskewed, seen.result.update.estimate.base_in_map, is_opponent, &recorder.score);

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "offline/simulated_drive.h"
+#include "racecar_mcl/common/errors.h"
 #include "sim/raceline.h"
 #include "sim/recorded_drive.h"
-#include "sim/scenario.h"
 
 namespace racecar_mcl {
 
@@ -36,12 +36,14 @@ struct RaceTrack {
   sim::Path path;
 };
 
-/// The raceline is that of a wall follower's lap from the map's start pose. Throws as loadScenario,
-/// recordLap and racingPath.
+/// The raceline is that of a wall follower's lap from the map's start pose. Throws MapError without
+/// one, and as loadCourse, recordLap and racingPath.
 inline RaceTrack loadRaceTrack(const std::string& map_path, const LocalizerParameters& parameters) {
-  sim::ScenarioParameters scenario;
-  scenario.map = map_path;
-  const Pose2 start = sim::loadScenario(scenario).start_in_map;
+  Pose2 start;
+  if (!sim::loadStartPose(map_path, start)) {
+    throw MapError(map_path +
+                   ": the map has no start pose; expected a file *_start.yaml beside it");
+  }
   RaceTrack track{loadCourse(map_path, parameters), {}};
   track.path = sim::racingPath(track.course.map->grid, sim::recordLap(track.course.world, start),
                                kRacelineClearance);

@@ -72,10 +72,10 @@ class SimulatedDrive {
   template <typename Visit>
   void drive(double seconds, Visit&& visit) {
     const double end = simulator_.time() + seconds;
-    while (simulator_.time() < end - kDriverPeriod / 2.0) {
+    while (simulator_.time() < end - sim::kControlPeriod / 2.0) {
       before_control_step(&simulator_);
       const sim::Command next = command ? command() : followWall();
-      for (const sim::Event& event : simulator_.advance(kDriverPeriod, next)) {
+      for (const sim::Event& event : simulator_.advance(sim::kControlPeriod, next)) {
         if (const auto* truth = std::get_if<sim::Truth>(&event.data)) recordTruth(*truth);
         if (const auto* sample = std::get_if<OdometrySample>(&event.data)) addOdometry(*sample);
         if (const auto* sample = std::get_if<GyroSample>(&event.data)) localizer_.addGyro(*sample);
@@ -92,8 +92,6 @@ class SimulatedDrive {
   }
 
  private:
-  static constexpr double kDriverPeriod = 0.02;  // s, control period
-
   sim::Command followWall() const {
     return driver_->drive(simulator_.look(), simulator_.truth().twist.vx, simulator_.collided());
   }

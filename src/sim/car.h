@@ -22,6 +22,8 @@ struct CarParameters {
   void validate() const;
 };
 
+constexpr double kControlPeriod = 0.02;  // s, between the commands of a driver
+
 /// Commanded speed and steering; the car follows within its limits.
 struct Command {
   double speed = 0.0;     ///< m/s, negative = backwards

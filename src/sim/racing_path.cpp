@@ -75,10 +75,7 @@ class Clearance {
   double at(const Eigen::Vector2d& point) const {
     const Cell cell = cellAt(geometry_, point);
     if (!contains(geometry_, cell)) return 0.0;
-    const auto index =
-        static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry_.width) +
-        static_cast<std::size_t>(cell.column);
-    return geometry_.resolution * static_cast<double>(cells_[index]);
+    return geometry_.resolution * static_cast<double>(cells_[CellIndex(geometry_)(cell)]);
   }
 
  private:

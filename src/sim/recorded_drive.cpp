@@ -8,8 +8,7 @@
 namespace racecar_mcl::sim {
 namespace {
 
-constexpr double kDriverPeriod = 0.02;  // s, control period
-constexpr double kMaxLapTime = 120.0;   // s
+constexpr double kMaxLapTime = 120.0;  // s
 
 }  // namespace
 
@@ -20,9 +19,9 @@ std::vector<Event> recordDrive(const std::shared_ptr<const World>& world,
   Simulator car(world, simulator, start_in_map, seed);
   Driver driver(follower);
   std::vector<Event> drive;
-  while (car.time() < seconds - kDriverPeriod / 2.0) {
+  while (car.time() < seconds - kControlPeriod / 2.0) {
     const Command command = driver.drive(car.look(), car.truth().twist.vx, car.collided());
-    std::vector<Event> events = car.advance(kDriverPeriod, command);
+    std::vector<Event> events = car.advance(kControlPeriod, command);
     drive.insert(drive.end(), std::make_move_iterator(events.begin()),
                  std::make_move_iterator(events.end()));
   }
@@ -41,7 +40,7 @@ Path recordLap(const std::shared_ptr<const World>& world, const Pose2& start_in_
     counter.update(base_in_map);
     if (counter.laps() > 0) return lap;
     lap.emplace_back(base_in_map.x, base_in_map.y);
-    car.advance(kDriverPeriod, driver.drive(car.look(), car.truth().twist.vx, car.collided()));
+    car.advance(kControlPeriod, driver.drive(car.look(), car.truth().twist.vx, car.collided()));
   }
   throw MapError(
       "the wall follower completed no lap from the start pose; expected a closed course");

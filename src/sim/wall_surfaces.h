@@ -11,24 +11,6 @@ namespace racecar_mcl::sim {
 
 inline bool isOccupied(std::int8_t value) { return value >= OccupancyGrid::kObstacleFrom; }
 
-/// Conversion between cells and their indices in row-major order.
-class CellIndex {
- public:
-  explicit CellIndex(const GridGeometry& geometry) : width_(geometry.width) {}
-
-  std::size_t operator()(const Cell& cell) const {
-    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(cell.column);
-  }
-  Cell cell(std::size_t index) const {
-    const auto i = static_cast<int>(index);
-    return {i % width_, i / width_};
-  }
-
- private:
-  int width_;
-};
-
 /// The eight neighbours of a cell, possibly outside the grid; the four direct ones first.
 inline std::array<Cell, 8> neighbours(const Cell& cell) {
   const int c = cell.column;

@@ -96,6 +96,7 @@ double World::castWalls(const Eigen::Vector2d& origin, double yaw, double max_ra
   double distance = enter;
   double next_column = column.next();
   double next_row = row.next();
+  const CellIndex index(geometry_);
   while (distance <= leave && column.inside() && row.inside()) {
     if (cells_[index({column.cell, row.cell})] >= ends_at) return distance * geometry_.resolution;
     if (next_column < next_row) {
@@ -126,12 +127,12 @@ Hit World::cast(const Eigen::Vector2d& origin, double yaw, double max_range,
 
 bool World::isWall(const Eigen::Vector2d& point) const {
   const Cell cell = cellAt(geometry_, point);
-  return contains(geometry_, cell) && cells_[index(cell)] == kWall;
+  return contains(geometry_, cell) && cells_[CellIndex(geometry_)(cell)] == kWall;
 }
 
 bool World::isFree(const Eigen::Vector2d& point) const {
   const Cell cell = cellAt(geometry_, point);
-  return contains(geometry_, cell) && cells_[index(cell)] == kFree;
+  return contains(geometry_, cell) && cells_[CellIndex(geometry_)(cell)] == kFree;
 }
 
 double World::freeArea() const {

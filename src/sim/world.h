@@ -65,11 +65,6 @@ class World {
   Eigen::Vector2d randomFreePoint(Random& random) const;
 
  private:
-  std::size_t index(const Cell& cell) const {
-    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry_.width) +
-           static_cast<std::size_t>(cell.column);
-  }
-
   GridGeometry geometry_;
   std::vector<std::uint8_t> cells_;  ///< free, unknown or wall; row-major, lowest row first
   std::vector<std::uint32_t> free_;  ///< indices of the free cells, increasing

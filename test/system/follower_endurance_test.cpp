@@ -11,7 +11,6 @@ namespace racecar_mcl::sim {
 namespace {
 
 constexpr double kSeconds = 600.0;
-constexpr double kDriverPeriod = 0.02;  // s, as in the live simulator
 
 class FollowerEnduranceTest : public testing::TestWithParam<const char*> {};
 
@@ -30,7 +29,7 @@ TEST_P(FollowerEnduranceTest, DrivesTenMinutesWithoutACollision) {
   double distance_driven = 0.0;
   while (simulator.time() < kSeconds) {
     const Truth before = simulator.truth();
-    simulator.advance(kDriverPeriod, follower.follow(simulator.look(), before.twist.vx));
+    simulator.advance(kControlPeriod, follower.follow(simulator.look(), before.twist.vx));
     const Pose2 now = simulator.truth().base_in_map;
     laps.update(now);
     distance_driven += distance(before.base_in_map, now);

@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "offline/simulated_drive.h"
+#include "offline/wrong_course.h"
 #include "racecar_mcl/localizer/parameter_registry.h"
-#include "sim/map_faults.h"
 
 namespace racecar_mcl {
 namespace {
@@ -51,12 +50,8 @@ class ParameterEffect : public testing::Test {
       set(setting, &parameters);
     }
     for (const std::string& setting : settings) set(setting, &parameters);
-    Course course = loadCourse(path_, parameters);
-    Pose2 start;
-    EXPECT_TRUE(sim::loadStartPose(path_, start));
     Random random(3);
-    const sim::WrongMap wrong = sim::makeWrongMap(sim::mapFaults().at("erased_walls"),
-                                                  course.map->grid, *course.world, start, random);
+    auto [course, start, wrong] = loadWrongCourse(path_, "erased_walls", parameters, random);
     sim::SimulatorParameters simulator;
     simulator.odometry.slip = 0.3;
     SimulatedDrive drive(course, parameters, simulator, start, 3.0, 5);

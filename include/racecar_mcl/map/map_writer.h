@@ -7,10 +7,16 @@
 
 namespace racecar_mcl {
 
-/// A binary PGM in mode trinary, as map_saver writes it: free, occupied or unknown.
-std::string toTrinaryPgm(const OccupancyGrid& map);
+/// Modes of map_server.
+enum class MapMode {
+  kTrinary,  ///< free, occupied or unknown, as map_saver writes it
+  kRaw,      ///< the only one that keeps all values; free cells are white, unknown ones black
+};
 
-/// The YAML file that belongs to toTrinaryPgm.
-std::string toTrinaryYaml(const GridGeometry& geometry, const std::string& image_name);
+/// A binary PGM.
+std::string toPgm(const OccupancyGrid& map, MapMode mode);
+
+/// The YAML file that belongs to the PGM of this name.
+std::string toMapYaml(const GridGeometry& geometry, const std::string& image_name, MapMode mode);
 
 }  // namespace racecar_mcl

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -53,6 +54,24 @@ inline bool contains(const GridGeometry& geometry, const Cell& cell) {
          cell.row < geometry.height;
 }
 
+/// Conversion between cells of a grid and their indices in row-major order, lowest row first.
+class CellIndex {
+ public:
+  explicit CellIndex(const GridGeometry& geometry) : width_(geometry.width) {}
+
+  std::size_t operator()(const Cell& cell) const {
+    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(cell.column);
+  }
+  Cell cell(std::size_t index) const {
+    const auto i = static_cast<int>(index);
+    return {i % width_, i / width_};
+  }
+
+ private:
+  int width_;
+};
+
 /// Whether rays pass through unknown cells or end there.
 enum class UnknownIs { kFree, kOccupied };
 
@@ -76,7 +95,7 @@ class OccupancyGrid {
 
   /// The value of a cell; kUnknown outside the grid.
   std::int8_t at(const Cell& cell) const {
-    return contains(geometry_, cell) ? cells_[index(cell)] : kUnknown;
+    return contains(geometry_, cell) ? cells_[CellIndex(geometry_)(cell)] : kUnknown;
   }
 
   bool isFree(const Cell& cell) const {
@@ -85,11 +104,6 @@ class OccupancyGrid {
   }
 
  private:
-  std::size_t index(const Cell& cell) const {
-    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry_.width) +
-           static_cast<std::size_t>(cell.column);
-  }
-
   GridGeometry geometry_;
   std::vector<std::int8_t> cells_;
 };

@@ -121,10 +121,7 @@ void LidarOdometry::buildField() {
   for (const Keyframe& keyframe : keyframes_) {
     for (Eigen::Index k = 0; k < keyframe.ends.cols(); ++k) {
       const Cell cell = cellAt(geometry, keyframe.ends.col(k));
-      if (!contains(geometry, cell)) continue;
-      surfaces
-          .visible[static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry.width) +
-                   static_cast<std::size_t>(cell.column)] = 1;
+      if (contains(geometry, cell)) surfaces.visible[CellIndex(geometry)(cell)] = 1;
     }
   }
   field_.emplace(geometry, surfaces, field_parameters_);

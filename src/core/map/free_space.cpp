@@ -12,11 +12,6 @@ constexpr double kCarSpace = 0.5;  // m, side of a square of free space that a c
 // Maximum of half its side, in cells: limits the time on maps with cells below 5 mm.
 constexpr double kMaxHalfSquare = 50.0;
 
-std::size_t indexOf(const GridGeometry& geometry, const Cell& cell) {
-  return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(geometry.width) +
-         static_cast<std::size_t>(cell.column);
-}
-
 }  // namespace
 
 FreeSpace findFreeSpace(const OccupancyGrid& grid) {
@@ -60,7 +55,7 @@ CellSides sidesOf(const OccupancyGrid& grid, const FreeSpace& space, const Cell&
     if (grid.at(beyond) >= OccupancyGrid::kObstacleFrom) {
       ++sides.walls;
     } else if (!contains(grid.geometry(), beside) ||
-               space.without_specks[indexOf(grid.geometry(), beside)] == 0) {
+               space.without_specks[CellIndex(grid.geometry())(beside)] == 0) {
       ++sides.openings;
     }
   }

@@ -8,11 +8,9 @@
 
 #include "racecar_mcl/common/errors.h"
 #include "racecar_mcl/map/map_io.h"
-#include "sim/map_files.h"
 #include "sim/random_placement.h"
 #include "sim/wall_surfaces.h"
 #include "support/ascii_map.h"
-#include "support/temporary_directory.h"
 
 namespace racecar_mcl::sim {
 namespace {
@@ -290,21 +288,7 @@ TEST(MapFaults, AMapWithoutWallsOrFreeCellsIsLeftAlone) {
   EXPECT_EQ(toAscii(eraseWing(asciiMap("?##"), 0.25, random)), "?##\n");
 }
 
-TEST(MapFiles, AreReadBackAsTheyWere) {
-  const TemporaryDirectory folder;
-  Random random(1);
-  for (const OccupancyGrid& map : {track(), greyCells(track(), random), fillUnknown(track())}) {
-    folder.write("map.pgm", toPgm(map));
-    const OccupancyGrid read = loadMap(folder.write("map.yaml", toMapYaml(map, "map.pgm")));
-    EXPECT_EQ(read.cells(), map.cells());
-    EXPECT_EQ(read.geometry().width, map.geometry().width);
-    EXPECT_EQ(read.geometry().resolution, map.geometry().resolution);
-    EXPECT_EQ(read.geometry().origin.x, map.geometry().origin.x);
-    EXPECT_EQ(read.geometry().origin.yaw, map.geometry().origin.yaw);
-  }
-}
-
-TEST(MapFiles, DrawObstaclesWhereTheyStand) {
+TEST(MapFaults, DrawObstaclesWhereTheyStand) {
   Obstacle box;
   box.shape = Obstacle::Shape::kBox;
   box.length = 1.9;
