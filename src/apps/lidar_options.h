@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -22,12 +23,16 @@ inline LidarExtrinsics lidarExtrinsics(const std::string& laser_pose, const BagR
 }
 
 /// The pose of each lidar by its frame, from --laser-pose, which is that of one lidar, or from the
-/// bag's tf. The bags must outlive the function. Throws as lidarExtrinsics, now or when called.
+/// bag's tf, which is read once for each frame. The bags must outlive the function. Throws as
+/// lidarExtrinsics, now or when called.
 inline std::function<LidarExtrinsics(const std::string& frame)> lidarExtrinsicsByFrame(
     const std::string& laser_pose, const BagReader& bags, const std::string& base_frame) {
   if (laser_pose.empty()) {
-    return [&bags, base_frame](const std::string& frame) {
-      return bags.extrinsicsOf(frame, base_frame);
+    return [&bags, base_frame,
+            known = std::map<std::string, LidarExtrinsics>()](const std::string& frame) mutable {
+      const auto found = known.find(frame);
+      if (found != known.end()) return found->second;
+      return known[frame] = bags.extrinsicsOf(frame, base_frame);
     };
   }
   return [extrinsics = lidarExtrinsics(laser_pose, bags, "", base_frame),

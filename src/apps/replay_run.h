@@ -92,8 +92,10 @@ inline ReplayInput replayInput(const ReplayOptions& o, const std::string& progra
     bags.requireTopic(o.odom_topic, "nav_msgs/Odometry", "--odom-topic");
   }
   input.extrinsics_of = lidarExtrinsicsByFrame(o.laser_pose, bags, o.base_frame);
+  // Throws now if the pose of a lidar is missing, not in the middle of the drive.
   for (const std::string& topic : o.scan_topics) {
-    lidarExtrinsics(o.laser_pose, bags, topic, o.base_frame);  // throws at once, not in the drive
+    input.extrinsics_of(o.laser_pose.empty() ? bags.requireScanFrame(topic)
+                                             : bags.scanFrame(topic));
   }
   if (!o.imu_topic.empty()) useImu(o, program, bags, &input);
   return input;

@@ -325,13 +325,17 @@ std::string BagReader::scanFrame(const std::string& topic) const {
   return stripLeadingSlash(firstScan(topic)->header.frame_id);
 }
 
-LidarExtrinsics BagReader::lidarExtrinsics(const std::string& scan_topic,
-                                           const std::string& base_frame) const {
-  const std::string frame = scanFrame(scan_topic);
-  if (!frame.empty()) return extrinsicsOf(frame, base_frame);
-  throw BagError(names() + ": the scans on " + printable(scan_topic) +
+std::string BagReader::requireScanFrame(const std::string& topic) const {
+  const std::string frame = scanFrame(topic);
+  if (!frame.empty()) return frame;
+  throw BagError(names() + ": the scans on " + printable(topic) +
                  " have no frame_id, so that tf does not have the lidar's pose; set it with "
                  "--laser-pose");
+}
+
+LidarExtrinsics BagReader::lidarExtrinsics(const std::string& scan_topic,
+                                           const std::string& base_frame) const {
+  return extrinsicsOf(requireScanFrame(scan_topic), base_frame);
 }
 
 LidarExtrinsics BagReader::extrinsicsOf(const std::string& laser_frame,

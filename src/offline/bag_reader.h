@@ -103,6 +103,8 @@ class BagReader {
   LidarExtrinsics extrinsicsOf(const std::string& laser_frame, const std::string& base_frame) const;
   /// The frame of the first scan, without a leading slash. Throws BagError if there is none.
   std::string scanFrame(const std::string& topic) const;
+  /// As scanFrame; throws BagError also if it is empty.
+  std::string requireScanFrame(const std::string& topic) const;
   /// The rotation of the IMU in `base_frame`, from /tf_static and, if necessary, /tf; none without
   /// a transform.
   std::optional<geometry_msgs::Quaternion> imuRotation(const std::string& imu_topic,

@@ -114,15 +114,13 @@ class OfflineDriver {
     }
   }
 
-  /// Reads the bags once for each frame.
-  const LidarExtrinsics& extrinsicsOf(const std::string& frame) {
+  /// Does not search again for a frame that is unknown.
+  LidarExtrinsics extrinsicsOf(const std::string& frame) {
     if (const auto problem = unknown_frames_.find(frame); problem != unknown_frames_.end()) {
       throw MessageError(problem->second);
     }
-    const auto known = extrinsics_.find(frame);
-    if (known != extrinsics_.end()) return known->second;
     try {
-      return extrinsics_[frame] = extrinsics_of_(frame);
+      return extrinsics_of_(frame);
     } catch (const std::runtime_error& error) {
       unknown_frames_[frame] = error.what();
       throw MessageError(error.what());
@@ -197,7 +195,6 @@ class OfflineDriver {
   }
 
   std::function<LidarExtrinsics(const std::string&)> extrinsics_of_;
-  std::map<std::string, LidarExtrinsics> extrinsics_;  ///< by frame
   std::map<std::string, std::string> unknown_frames_;  ///< with the reason
   LidarRegistry lidars_;
   geometry_msgs::Quaternion imu_rotation_;
