@@ -39,29 +39,17 @@ bool openWriter(const std::string& path, double rate, cv::Size size, cv::VideoWr
   return opened;
 }
 
-/// The end points of all returns in the map frame, deskewed.
-std::vector<cv::Point2d> endPoints(Scan scan, const Localizer& localizer) {
-  const LidarState& lidar = localizer.lidars().at(static_cast<std::size_t>(scan.lidar));
-  if (lidar.direction.isReversed()) scan.seconds_after_stamp = -scan.seconds_after_stamp;
+/// The end points of all returns in the map frame, corrected as the filter's.
+std::vector<cv::Point2d> endPoints(const Scan& scan, const Pose2& base_in_map,
+                                   const Localizer& localizer) {
+  const Scan beams = localizer.correctedScan(scan, static_cast<int>(scan.size()));
+  const Pose2 lidar = compose(base_in_map, beams.laser_in_base);
   std::vector<cv::Point2d> points;
-  if (scan.size() == 0) return points;
-  // Negative if the beams are listed in reverse acquisition order.
-  const auto earliest = static_cast<double>(scan.seconds_after_stamp.minCoeff());
-  const auto latest = static_cast<double>(scan.seconds_after_stamp.maxCoeff());
-  const double duration = -earliest > latest ? earliest : latest;
-  const std::optional<PoseEstimate> first = localizer.estimateAt(scan.stamp);
-  const std::optional<PoseEstimate> last = localizer.estimateAt(scan.stamp + duration);
-  if (!first || !last) return points;
-  for (Eigen::Index i = 0; i < scan.size(); ++i) {
-    const double range = static_cast<double>(scan.ranges[i]);
+  for (Eigen::Index i = 0; i < beams.size(); ++i) {
+    const double range = static_cast<double>(beams.ranges[i]);
     if (!std::isfinite(range)) continue;
-    const double fraction =
-        duration != 0.0 ? static_cast<double>(scan.seconds_after_stamp[i]) / duration : 0.0;
-    const Pose2 base = interpolate(first->base_in_map, last->base_in_map, fraction);
-    const double bearing = static_cast<double>(scan.bearings[i]);
-    const Pose2 end = compose(compose(base, scan.laser_in_base),
-                              {range * std::cos(bearing), range * std::sin(bearing), 0.0});
-    points.emplace_back(end.x, end.y);
+    const double yaw = lidar.yaw + static_cast<double>(beams.bearings[i]);
+    points.emplace_back(lidar.x + range * std::cos(yaw), lidar.y + range * std::sin(yaw));
   }
   return points;
 }
@@ -118,8 +106,8 @@ std::optional<Pose2> VideoRecorder::truthAt(double time) const {
 
 void VideoRecorder::onScan(const Scan& scan, const ScanRow& row, const Localizer& localizer) {
   last_scan_ = row;
-  scan_points_ = endPoints(scan, localizer);
   const UpdateResult& update = row.result.update;
+  scan_points_ = endPoints(scan, update.estimate.base_in_map, localizer);
   if (update.particles > 0) {
     sample_size_plot_.add(scan.stamp, 100.0 * update.effective_sample_size / update.particles);
   }
