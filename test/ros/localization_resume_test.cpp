@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 
 #include "support/localization_fixture.h"
+#include "support/program.h"
 #include "support/temporary_directory.h"
 
 namespace racecar_mcl {
@@ -24,6 +24,13 @@ class LocalizationResumeTest : public LocalizationTest {
     listener_.forget();
     startNode();
     ASSERT_TRUE(listener_.waitForLog("map of"));
+  }
+
+  void localizeAndEnd() {
+    startLocalized();
+    expectStillLocalizes();
+    ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
+    node_.reset();
   }
 
   std_srvs::TriggerResponse savePose() {
@@ -44,10 +51,7 @@ class LocalizationResumeTest : public LocalizationTest {
 };
 
 TEST_F(LocalizationResumeTest, ContinuesFromTheLastPoseAndTheMotionSince) {
-  startLocalized();
-  expectStillLocalizes();
-  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
-  node_.reset();
+  localizeAndEnd();
   car_.advance(1.0);  // a metre, while there is no node
   restartNode();
   EXPECT_TRUE(listener_.waitFor([&] { return drive(0.1) > 0; }));
@@ -57,13 +61,8 @@ TEST_F(LocalizationResumeTest, ContinuesFromTheLastPoseAndTheMotionSince) {
 }
 
 TEST_F(LocalizationResumeTest, ContinuesWithTheSavedCalibration) {
-  startLocalized();
-  expectStillLocalizes();
-  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
-  node_.reset();
-  std::stringstream saved;
-  saved << std::ifstream(file_).rdbuf();
-  std::string text = saved.str();
+  localizeAndEnd();
+  std::string text = readWhole(file_);
   const std::size_t scale = text.find("distance_scale:");
   ASSERT_NE(scale, std::string::npos);
   text.replace(scale, text.find('\n', scale) - scale, "distance_scale: 1.1");
@@ -76,13 +75,8 @@ TEST_F(LocalizationResumeTest, ContinuesWithTheSavedCalibration) {
 }
 
 TEST_F(LocalizationResumeTest, ADamagedCalibrationIsNamedAndThePoseIsUsed) {
-  startLocalized();
-  expectStillLocalizes();
-  ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
-  node_.reset();
-  std::stringstream saved;
-  saved << std::ifstream(file_).rdbuf();
-  const std::string text = saved.str();
+  localizeAndEnd();
+  const std::string text = readWhole(file_);
   std::ofstream(file_) << text.substr(0, text.find("  distance_scale:")) << "  distance_scale: x\n";
   restartNode();
   EXPECT_EQ(listener_.logged("the calibration cannot be read from " + file_), 1);
