@@ -16,13 +16,12 @@ class ScanClocks {
  public:
   /// `clock_jump`: s, as in OdometryParameters.
   explicit ScanClocks(double clock_jump);
-  /// For the stamps from now on.
-  void setClockJump(double clock_jump);
 
   /// kUsed if the stamp is newer than that of the lidar's last used scan, and not much older than
   /// that of another lidar. A second stamp that is older by clock_jump or more restarts the time of
   /// all lidars; one alone is an outlier, as is one far ahead of the lidar's scans and
-  /// `max_stamp` (s, by odometry).
+  /// `max_stamp` (s, by odometry). While other lidars and the odometry go on, a lidar with another
+  /// time has a wrong clock, and none of its scans is used.
   ScanOutcome check(double stamp, int lidar, const std::optional<double>& max_stamp);
   void recordUsed(double stamp, int lidar);
   /// Accepts any next stamps.
@@ -39,6 +38,8 @@ class ScanClocks {
     std::optional<double> last_used;  ///< s
     ClockJumpDetector clock_jump;
   };
+
+  bool hasOthers(int lidar) const;
 
   double clock_jump_;
   std::vector<ScanClock> clocks_;  ///< by Scan::lidar

@@ -19,7 +19,7 @@ class CalibratedOdometry {
   /// Throws as the parameters' validate function does.
   explicit CalibratedOdometry(const OdometryParameters& parameters = {});
 
-  /// For the messages from now on; clock_jump is not changed for the gyro. Throws as the
+  /// For the messages from now on; clock_jump is not changed. Throws as the
   /// constructor, and then changes nothing.
   void setParameters(const OdometryParameters& parameters) { odometry_.setParameters(parameters); }
 

@@ -19,9 +19,6 @@ class ClockJumpDetector {
   /// A stamp that is `max_back` seconds or more before the newest is far.
   explicit ClockJumpDetector(double max_back) : max_back_(max_back) {}
 
-  /// For the stamps from now on.
-  void setMaxBack(double max_back) { max_back_ = max_back; }
-
   /// A stamp after `max_stamp` is far.
   StampCheck check(double stamp, double max_stamp);
 

@@ -29,8 +29,9 @@ void PoseExtrapolator::setParameters(const OdometryParameters& odometry,
                                      const MotionModelParameters& motion) {
   const Lock lock(*mutex_);
   odometry_.setParameters(odometry);
-  scan_clocks_.setClockJump(odometry.clock_jump);
+  const double clock_jump = parameters_.clock_jump;
   parameters_ = odometry;
+  parameters_.clock_jump = clock_jump;
   motion_parameters_ = motion;
 }
 

@@ -24,11 +24,6 @@ double knownPeriod(double period) { return period > 0.0 ? period : kUnknownPerio
 ScanClocks::ScanClocks(double clock_jump)
     : clock_jump_(clock_jump), clocks_(kMaxLidars, {{}, ClockJumpDetector(clock_jump)}) {}
 
-void ScanClocks::setClockJump(double clock_jump) {
-  clock_jump_ = clock_jump;
-  for (ScanClock& clock : clocks_) clock.clock_jump.setMaxBack(clock_jump);
-}
-
 void ScanClocks::reset() { *this = ScanClocks(clock_jump_); }
 
 void ScanClocks::recordUsed(double stamp, int lidar) {
@@ -38,6 +33,13 @@ void ScanClocks::recordUsed(double stamp, int lidar) {
 
 double ScanClocks::evaluationStamp(double stamp) const {
   return std::max(stamp, newest_.value_or(stamp));
+}
+
+bool ScanClocks::hasOthers(int lidar) const {
+  for (int other = 0; other < kMaxLidars; ++other) {
+    if (other != lidar && clocks_[static_cast<std::size_t>(other)].last_used) return true;
+  }
+  return false;
 }
 
 ScanOutcome ScanClocks::check(double stamp, int lidar, const std::optional<double>& max_stamp) {
@@ -51,9 +53,12 @@ ScanOutcome ScanClocks::check(double stamp, int lidar, const std::optional<doubl
   if (clock.clock_jump.check(stamp, latest.value_or(stamp)) == StampCheck::kOutlier) {
     return ScanOutcome::kStampOutlier;
   }
+  const bool others_go_on =
+      hasOthers(lidar) && max_stamp && newest_ && *max_stamp >= *newest_ - kMaxScanLag;
+  if (others_go_on && stamp > *max_stamp + kMaxScanLag) return ScanOutcome::kStampOutlier;
   if (clock.last_used && stamp <= *clock.last_used) {
     if (stamp == *clock.last_used) return ScanOutcome::kRepeatedStamp;
-    if (stamp > *clock.last_used - clock_jump_) return ScanOutcome::kOutOfOrder;
+    if (others_go_on || stamp > *clock.last_used - clock_jump_) return ScanOutcome::kOutOfOrder;
     const ClockJumpDetector of_lidar = clock.clock_jump;  // has accepted the new time
     reset();
     clocks_[static_cast<std::size_t>(lidar)].clock_jump = of_lidar;

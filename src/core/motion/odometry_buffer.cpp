@@ -78,8 +78,9 @@ OdometryBuffer::OdometryBuffer(const OdometryParameters& parameters)
 
 void OdometryBuffer::setParameters(const OdometryParameters& parameters) {
   validate(parameters);
+  const double clock_jump = parameters_.clock_jump;
   parameters_ = parameters;
-  clock_jump_.setMaxBack(parameters.clock_jump);
+  parameters_.clock_jump = clock_jump;
 }
 
 OdometryOutcome OdometryBuffer::add(const OdometrySample& sample) {

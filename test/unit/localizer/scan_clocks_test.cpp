@@ -8,8 +8,8 @@ namespace {
 class ScanClocksTest : public testing::Test {
  protected:
   /// Checks a stamp and records it if it is used.
-  ScanOutcome take(double stamp, int lidar) {
-    const ScanOutcome outcome = clocks_.check(stamp, lidar, {});
+  ScanOutcome take(double stamp, int lidar, const std::optional<double>& max_stamp = {}) {
+    const ScanOutcome outcome = clocks_.check(stamp, lidar, max_stamp);
     if (outcome == ScanOutcome::kUsed) clocks_.recordUsed(stamp, lidar);
     return outcome;
   }
@@ -34,14 +34,6 @@ TEST_F(ScanClocksTest, AScanThatArrivesAfterANewerOneOfAnotherLidarIsEvaluatedAt
   EXPECT_EQ(take(9.6, 2), ScanOutcome::kOutOfOrder) << "0.4 s behind another lidar";
 }
 
-TEST_F(ScanClocksTest, TakesAnotherClockJump) {
-  EXPECT_EQ(take(10.0, 0), ScanOutcome::kUsed);
-  EXPECT_EQ(take(9.5, 0), ScanOutcome::kOutOfOrder);
-  clocks_.setClockJump(0.4);
-  EXPECT_EQ(take(9.5, 0), ScanOutcome::kStampOutlier);
-  EXPECT_EQ(take(9.52, 0), ScanOutcome::kTimeJumpedBack);
-}
-
 TEST_F(ScanClocksTest, ASetBackClockIsThatOfAllLidars) {
   for (int i = 0; i < 5; ++i) {
     EXPECT_EQ(take(100.0 + 0.02 * i, 0), ScanOutcome::kUsed);
@@ -52,6 +44,29 @@ TEST_F(ScanClocksTest, ASetBackClockIsThatOfAllLidars) {
   EXPECT_EQ(take(10.02, 0), ScanOutcome::kTimeJumpedBack);
   EXPECT_EQ(take(10.03, 1), ScanOutcome::kUsed);
   EXPECT_EQ(take(10.04, 0), ScanOutcome::kUsed);
+}
+
+TEST_F(ScanClocksTest, ALidarWhoseClockIsSetDoesNotMoveTheTimeOfTheOthers) {
+  for (const double offset : {-50.0, 50.0}) {
+    clocks_.reset();
+    EXPECT_EQ(take(100.0, 0, 100.1), ScanOutcome::kUsed);
+    EXPECT_EQ(take(100.0, 1, 100.1), ScanOutcome::kUsed);
+    for (int i = 1; i < 20; ++i) {
+      const double now = 100.0 + 0.02 * i;
+      EXPECT_EQ(take(now, 0, now + 0.1), ScanOutcome::kUsed) << i;
+      EXPECT_NE(take(now + offset, 1, now + 0.1), ScanOutcome::kUsed) << i;
+    }
+    take(101.0, 1, 101.0);
+    EXPECT_EQ(take(101.02, 1, 101.0), ScanOutcome::kUsed) << "its clock is right again";
+  }
+}
+
+TEST_F(ScanClocksTest, AClockThatOdometryHasAsWellIsThatOfAllLidars) {
+  EXPECT_EQ(take(100.0, 0, 100.1), ScanOutcome::kUsed);
+  EXPECT_EQ(take(100.0, 1, 100.1), ScanOutcome::kUsed);
+  EXPECT_EQ(take(10.0, 0, 10.1), ScanOutcome::kStampOutlier);
+  EXPECT_EQ(take(10.02, 0, 10.1), ScanOutcome::kTimeJumpedBack);
+  EXPECT_EQ(take(10.03, 1, 10.1), ScanOutcome::kUsed);
 }
 
 TEST_F(ScanClocksTest, ALidarWithAWrongClockDoesNotRestartTheTimeOfTheOthers) {

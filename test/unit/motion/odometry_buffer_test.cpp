@@ -309,15 +309,13 @@ TEST(OdometryParameters, LimitTheExtrapolation) {
 TEST(OdometryParameters, DefineAJumpOfTheClock) {
   OdometryParameters parameters;
   parameters.clock_jump = 0.4;
-  OdometryBuffer changed;
-  changed.setParameters(parameters);
-  for (OdometryBuffer history : {OdometryBuffer(parameters), changed}) {
-    const auto add = [&](double stamp) { return history.add(twistAt(stamp, {2.0, 0.0, 0.0})); };
-    add(10.0);
-    EXPECT_EQ(add(9.7), OdometryOutcome::kOutOfOrder);
-    EXPECT_EQ(add(9.5), OdometryOutcome::kStampOutlier);
-    EXPECT_EQ(add(9.52), OdometryOutcome::kTimeJumpedBack);
-  }
+  OdometryBuffer history(parameters);
+  const auto add = [&](double stamp) { return history.add(twistAt(stamp, {2.0, 0.0, 0.0})); };
+  add(10.0);
+  EXPECT_EQ(add(9.7), OdometryOutcome::kOutOfOrder);
+  history.setParameters({});  // it is not changed
+  EXPECT_EQ(add(9.5), OdometryOutcome::kStampOutlier);
+  EXPECT_EQ(add(9.52), OdometryOutcome::kTimeJumpedBack);
 }
 
 }  // namespace
