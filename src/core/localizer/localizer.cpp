@@ -139,7 +139,8 @@ Localizer::Step Localizer::preprocess(const Scan& selected) {
   // Without recent odometry, or if scans contradict the pose, the car may be moving.
   const bool is_stationary =
       motion.odometry_is_new && !recovery_.inConflict() && isStationary(step.motion);
-  scans_since_stop_ = is_stationary ? scans_since_stop_ + 1 : 0;
+  // A scan at the stamp of another lidar's does not show whether the car moves.
+  if (step.motion.duration != 0.0) scans_since_stop_ = is_stationary ? scans_since_stop_ + 1 : 0;
   step.is_stationary = !global_start_pending_ && scans_since_stop_ > parameters_.stationary_updates;
   return step;
 }
@@ -193,7 +194,7 @@ void Localizer::relocalize(bool just_converged, Step* step, UpdateResult* update
       recovery_.reset();
       ++counters_.recoveries;
     } else if (challenges && decision != Decision::kUndecided) {
-      recovery_.onRejected(scan.stamp);
+      recovery_.onRejected(step->stamp);
     }
     // While it is tested, the alternative place is reported as a cluster.
     if (verifier_.challenging() && verifier_.candidate()) {

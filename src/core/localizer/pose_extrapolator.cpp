@@ -190,7 +190,7 @@ PoseExtrapolator::ScanMotion PoseExtrapolator::beginScan(const Scan& scan) {
   motion.motion = motionTo(motion.stamp);
   motion.odometry_is_new =
       !odometry_.odometry().empty() &&
-      scan.stamp - odometry_.odometry().newestStamp() <= parameters_.max_odometry_gap;
+      motion.stamp - odometry_.odometry().newestStamp() <= parameters_.max_odometry_gap;
   return motion;
 }
 

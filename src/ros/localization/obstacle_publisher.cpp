@@ -135,7 +135,9 @@ void ObstaclePublisher::publish(const Localizer& localizer, const Scan& scan,
   if (has_points) {
     points_.publish(boost::make_shared<sensor_msgs::PointCloud2>(obstacleCloud(obstacles, header)));
   }
-  if (!has_markers) return;
+  // Tracks are in the order of time; a late scan of another lidar has moved obstacles at another
+  // one.
+  if (!has_markers || result.stamp != scan.stamp) return;
   const std::vector<ObstacleTrack> tracks = observer_.track(obstacles, result);
   const ros::WallTime now = ros::WallTime::now();
   if ((now - last_visualization_).toSec() < visualization_period_) return;
