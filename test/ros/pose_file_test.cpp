@@ -84,6 +84,29 @@ TEST(PoseFile, KeepsThePoseIfTheCalibrationIsDamaged) {
   }
 }
 
+TEST(PoseFile, ACalibrationNeedsAFrameOfItsOwnForEachLidar) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder.path() / "pose.yaml").string();
+  std::vector<std::string> nine;
+  for (int i = 0; i < 9; ++i) nine.push_back("laser_" + std::to_string(i));
+  for (const std::vector<std::string>& frames :
+       {std::vector<std::string>{"\"\""}, {"laser", "laser"}, nine}) {
+    std::ofstream file(path);
+    file << "map: one\nbase_in_map: [1, 2, 3]\ncalibration:\n  distance_scale: 1\n"
+            "  odometry_delay: 0\n  turn_scale: 1\n  turn_offset: 0\n  turn_delay: 0\n  lidars:\n";
+    for (const std::string& frame : frames) {
+      file << "    - {frame: " << frame << ", range_bias: 0.02, scan_reversed: false}\n";
+    }
+    file.close();
+    const std::optional<SavedPose> read = readPoseFile(path);
+    ASSERT_TRUE(read) << frames.size();
+    EXPECT_EQ(read->base_in_map.x, 1.0) << frames.size();
+    EXPECT_FALSE(read->sensors) << frames.size();
+    EXPECT_NE(read->calibration_problem.find("frame"), std::string::npos)
+        << read->calibration_problem;
+  }
+}
+
 TEST(PoseFile, NeedsNoCalibration) {
   const TemporaryDirectory folder;
   const std::string path = (folder.path() / "pose.yaml").string();

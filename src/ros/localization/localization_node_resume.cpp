@@ -54,6 +54,10 @@ void LocalizationNode::resume() {
   }
   if (!odometry && ++scans_before_resume_ < kMaxWaitingScans) return;
   ROS_INFO("continuing from the last pose in %s", parameters_.last_pose_file.c_str());
+  // Which of several lidars an old file's calibration belongs to is not known.
+  if (saved_pose_->lidar_frames.empty() && parameters_.scan_topics.size() > 1) {
+    if (saved_pose_->sensors) saved_pose_->sensors->lidars.clear();
+  }
   if (saved_pose_->sensors) localizer_.resumeCalibration(*saved_pose_->sensors);
   start(resumedPose(*saved_pose_, odometry));
   saved_pose_.reset();

@@ -7,9 +7,13 @@
 #include <fstream>
 #include <iomanip>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
+
+#include "racecar_mcl/common/printable.h"
+#include "racecar_mcl/scan/scan.h"
 
 namespace racecar_mcl {
 namespace {
@@ -82,9 +86,16 @@ void readSensors(const YAML::Node& node, SavedPose* pose) {
     sensors.lidars.push_back(readLidar(node));
     return;
   }
+  std::set<std::string> frames;
   for (const YAML::Node& lidar : node["lidars"]) {
     sensors.lidars.push_back(readLidar(lidar));
-    pose->lidar_frames.push_back(lidar["frame"].as<std::string>());
+    const std::string frame = lidar["frame"].as<std::string>();
+    if (frame.empty() || !frames.insert(frame).second ||
+        frames.size() > static_cast<std::size_t>(kMaxLidars)) {
+      throw std::runtime_error("the frame '" + printable(frame) +
+                               "' is empty, there twice, or that of a ninth lidar");
+    }
+    pose->lidar_frames.push_back(frame);
   }
 }
 
