@@ -168,6 +168,14 @@ TEST_F(RvizPanelTest, ButtonsCallTheServicesAndShowTheirAnswers) {
   EXPECT_EQ(calls_, 3);
 }
 
+TEST_F(RvizPanelTest, ClosesWhileACallWaitsForItsAnswer) {
+  serve<std_srvs::Trigger>("/localization/save_pose", [](auto*) {});
+  click("~save_pose");
+  ros::WallDuration(0.5).sleep();  // the call waits: this thread would answer
+  panel_.reset();
+  EXPECT_EQ(calls_, 0);
+}
+
 TEST_F(RvizPanelTest, AMissingServiceIsNamedAndTheButtonsStayUsable) {
   for (int i = 0; i < 2; ++i) {
     click("~save_pose");

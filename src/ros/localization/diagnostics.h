@@ -40,6 +40,9 @@ struct NodeStatus {
   double yaw_sigma = 0.0;       ///< rad
 };
 
+/// The name of the entry in `/diagnostics` of a node such as "/localization".
+inline std::string diagnosticsName(const std::string& node) { return node + ": localization"; }
+
 /// The localization status alone: level, state as the message, and its inputs.
 diagnostic_msgs::DiagnosticStatus toDiagnostics(const LocalizationStatus& status);
 

@@ -174,7 +174,7 @@ void LocalizationNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
     node_status_.lidars = lidars_.lidars();
     status = node_status_;
   }
-  array.status.push_back(toDiagnostics(status, name_ + ": localization"));
+  array.status.push_back(toDiagnostics(status, diagnosticsName(name_)));
   diagnostics_publisher_.publish(array);
 }
 

@@ -14,6 +14,8 @@
 #include <QVBoxLayout>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ros/localization/diagnostics.h"
+
 namespace racecar_mcl {
 namespace {
 
@@ -22,26 +24,6 @@ constexpr char kDefaultNode[] = "/localization";
 constexpr double kMaxStatusAge = 2.0;       // s
 constexpr double kMaxDiagnosticsAge = 5.0;  // s
 constexpr int kRefreshPeriod = 500;         // ms
-
-template <typename Service>
-std::string callOrExplain(const std::string& name, Service* service) {
-  if (!ros::service::exists(name, false)) return "there is no service " + name;
-  if (!ros::service::call(name, *service)) return "the call of " + name + " failed";
-  return "";
-}
-
-std::string callEmpty(const std::string& name) {
-  std_srvs::Empty service;
-  const std::string problem = callOrExplain(name, &service);
-  return problem.empty() ? "done" : problem;
-}
-
-std::string callTrigger(const std::string& name) {
-  std_srvs::Trigger service;
-  std::string problem = callOrExplain(name, &service);
-  if (!problem.empty()) return problem;
-  return (service.response.success ? "done: " : "refused: ") + service.response.message;
-}
 
 /// A label for this many lines of text, which can be copied. The text may be longer than the panel
 /// is wide.
@@ -79,19 +61,55 @@ LocalizationPanel::LocalizationPanel(QWidget* parent)
   grid->setColumnStretch(1, 1);
   layout->addLayout(grid);
   addValues(grid);
+  const Call trigger = [this](const std::string& name) { return callTrigger(name); };
   addButton("Search the map", "global_localization",
-            "Global localization: the pose is searched on the whole map", callEmpty);
+            "Global localization: the pose is searched on the whole map",
+            [this](const std::string& name) { return callEmpty(name); });
   addButton("Save pose", "~save_pose",
-            "Writes the pose to last_pose_file, from which the next start continues", callTrigger);
+            "Writes the pose to last_pose_file, from which the next start continues", trigger);
   addButton("Reload parameters", "~reload_parameters",
-            "Reads the parameters of the node again and applies them", callTrigger);
+            "Reads the parameters of the node again and applies them", trigger);
   layout->addWidget(answer_);
   layout->addStretch();
   addNodeName(layout);
   setNode(kDefaultNode);
+  diagnostics_subscriber_ =
+      handle_.subscribe("/diagnostics", 10, &LocalizationPanel::onDiagnostics, this);
   auto* timer = new QTimer(this);
   connect(timer, &QTimer::timeout, this, [this] { refresh(); });
   timer->start(kRefreshPeriod);
+}
+
+LocalizationPanel::~LocalizationPanel() {
+  // Ends a call that waits for its answer, for which the thread would wait.
+  const std::lock_guard<std::mutex> lock(client_mutex_);
+  is_closing_ = true;
+  client_.shutdown();
+}
+
+template <typename Service>
+std::string LocalizationPanel::callOrExplain(const std::string& name, Service* service) {
+  if (!ros::service::exists(name, false)) return "there is no service " + name;
+  ros::ServiceClient client = handle_.serviceClient<Service>(name, true);
+  {
+    const std::lock_guard<std::mutex> lock(client_mutex_);
+    if (is_closing_) return "closed";
+    client_ = client;
+  }
+  return client.call(*service) ? "" : "the call of " + name + " failed";
+}
+
+std::string LocalizationPanel::callEmpty(const std::string& name) {
+  std_srvs::Empty service;
+  const std::string problem = callOrExplain(name, &service);
+  return problem.empty() ? "done" : problem;
+}
+
+std::string LocalizationPanel::callTrigger(const std::string& name) {
+  std_srvs::Trigger service;
+  std::string problem = callOrExplain(name, &service);
+  if (!problem.empty()) return problem;
+  return (service.response.success ? "done: " : "refused: ") + service.response.message;
 }
 
 void LocalizationPanel::addValues(QGridLayout* grid) {
@@ -163,8 +181,6 @@ void LocalizationPanel::setNode(const std::string& node) {
   const std::string parent = ros::names::parentNamespace(node_);
   status_subscriber_ = handle_.subscribe(ros::names::append(parent, "pf/status"), 1,
                                          &LocalizationPanel::onStatus, this);
-  diagnostics_subscriber_ =
-      handle_.subscribe("/diagnostics", 10, &LocalizationPanel::onDiagnostics, this);
   refresh();
 }
 
@@ -185,8 +201,9 @@ void LocalizationPanel::onStatus(const diagnostic_msgs::DiagnosticStatus& messag
 }
 
 void LocalizationPanel::onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
+  const std::string name = diagnosticsName(node_);
   for (const auto& status : message.status) {
-    if (status.name == diagnosticsName(node_)) {
+    if (status.name == name) {
       diagnostics_ = Received{status, ros::WallTime::now()};
     }
   }
@@ -215,9 +232,10 @@ void LocalizationPanel::refresh() {
   if (isRecent(diagnostics_, kMaxDiagnosticsAge)) diagnostics = diagnostics_->status;
   const PanelContent content = panelContent(status, diagnostics);
   state_->setText(QString::fromStdString(content.state));
-  state_->setStyleSheet(QString::fromStdString(
+  const QString style = QString::fromStdString(
       "color: white; background: " + content.colour +
-      "; font-size: 16pt; font-weight: bold; padding: 6px; border-radius: 4px;"));
+      "; font-size: 16pt; font-weight: bold; padding: 6px; border-radius: 4px;");
+  if (style != state_->styleSheet()) state_->setStyleSheet(style);  // Qt lays all out anew
   reason_->setText(QString::fromStdString(content.reason));
   for (const auto& [label, value] : values_) {
     label->setText(QString::fromStdString(content.*value));

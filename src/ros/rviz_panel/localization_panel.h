@@ -7,6 +7,7 @@
 #include <rviz/panel.h>
 
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,6 +29,7 @@ namespace racecar_mcl {
 class LocalizationPanel : public rviz::Panel {
  public:
   explicit LocalizationPanel(QWidget* parent = nullptr);
+  ~LocalizationPanel() override;
 
   void load(const rviz::Config& config) override;
   void save(rviz::Config config) const override;
@@ -39,6 +41,12 @@ class LocalizationPanel : public rviz::Panel {
   };
   /// Calls a service by its name; returns its answer, or why there is none.
   using Call = std::function<std::string(const std::string& service)>;
+
+  /// On the panel's own thread. An empty text: the call succeeded.
+  template <typename Service>
+  std::string callOrExplain(const std::string& name, Service* service);
+  std::string callEmpty(const std::string& name);
+  std::string callTrigger(const std::string& name);
 
   void addValues(QGridLayout* grid);
   /// `service` is relative to the node's namespace, with `~` to the node.
@@ -64,6 +72,9 @@ class LocalizationPanel : public rviz::Panel {
   ros::NodeHandle handle_;
   ros::Subscriber status_subscriber_, diagnostics_subscriber_;
 
+  std::mutex client_mutex_;    ///< guards the next two
+  ros::ServiceClient client_;  ///< of the newest call
+  bool is_closing_ = false;
   WorkerThread caller_;  ///< last, so that it ends before what it uses
 };
 

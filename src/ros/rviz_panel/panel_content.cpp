@@ -107,6 +107,4 @@ PanelContent panelContent(const std::optional<Status>& status,
   return content;
 }
 
-std::string diagnosticsName(const std::string& node) { return node + ": localization"; }
-
 }  // namespace racecar_mcl

@@ -26,7 +26,4 @@ struct PanelContent {
 PanelContent panelContent(const std::optional<diagnostic_msgs::DiagnosticStatus>& status,
                           const std::optional<diagnostic_msgs::DiagnosticStatus>& diagnostics);
 
-/// The name of the localizer's entry in `/diagnostics`, for the node's name "/localization".
-std::string diagnosticsName(const std::string& node);
-
 }  // namespace racecar_mcl
