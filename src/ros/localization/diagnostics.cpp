@@ -50,11 +50,15 @@ void addStatus(const LocalizationStatus& status, diagnostic_msgs::DiagnosticStat
 
 /// Each lidar; the keys of several begin with their frames.
 void addLidars(const NodeStatus& s, diagnostic_msgs::DiagnosticStatus* message) {
+  const auto scanning =
+      std::count_if(s.lidars.begin(), s.lidars.end(),
+                    [](const RegisteredLidar& lidar) { return !lidar.topic.empty(); });
   for (std::size_t i = 0; i < std::max<std::size_t>(1, s.lidars.size()); ++i) {
     const RegisteredLidar lidar = i < s.lidars.size() ? s.lidars[i] : RegisteredLidar{};
     const LidarCalibration calibration =
         i < s.sensors.lidars.size() ? s.sensors.lidars[i] : LidarCalibration{};
-    const std::string prefix = s.lidars.size() > 1 ? lidar.frame + ": " : "";
+    if (lidar.topic.empty() && (scanning > 0 || i > 0)) continue;  // of an earlier run
+    const std::string prefix = scanning > 1 ? lidar.frame + ": " : "";
     add(prefix + "lidar frame", lidar.frame, message);
     add(prefix + "lidar topic", lidar.topic, message);
     add(prefix + "lidar scans used", lidar.scans_used, message);

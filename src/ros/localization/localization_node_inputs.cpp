@@ -1,6 +1,9 @@
 // Part of LocalizationNode: odometry, transforms and scans, and checks of their stamps and frames.
 #include <cmath>
+#include <set>
+#include <string>
 
+#include "racecar_mcl/common/errors.h"
 #include "racecar_mcl/common/printable.h"
 #include "ros/localization/localization_node.h"
 
@@ -16,8 +19,15 @@ constexpr double kMaxSimulatedClockOffset = 1000.0;  // s
 }  // namespace
 
 void LocalizationNode::subscribeScans() {
+  std::set<std::string> names;
   for (const std::string& topic : parameters_.scan_topics) {
+    if (!names.insert(node_.resolveName(topic)).second) {
+      throw ParameterError("scan_topics names " + node_.resolveName(topic) +
+                           " twice; expected a topic of its own for each lidar");
+    }
     if (parameters_.scan_topics.size() > 1) watchdog_.expectLidar(topic);
+  }
+  for (const std::string& topic : parameters_.scan_topics) {
     const boost::function<void(const sensor_msgs::LaserScanConstPtr&)> take =
         [this, topic](const sensor_msgs::LaserScanConstPtr& message) { onScan(topic, message); };
     subscribers_.push_back(node_.subscribe<sensor_msgs::LaserScan>(

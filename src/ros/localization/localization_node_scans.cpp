@@ -20,8 +20,13 @@ constexpr double kStartupTime = 2.0;  // s
 int LocalizationNode::lidarOf(const ReceivedScan& received) {
   const std::string frame = stripLeadingSlash(received.message->header.frame_id);
   const std::lock_guard<std::mutex> lock(mutex_);
+  const int known = lidars_.find(frame);
+  const bool is_first = known == LidarRegistry::kUnknown || lidars_.at(known).topic.empty();
   const int lidar = lidars_.add(frame, received.topic);
-  watchdog_.forgetLidar(received.topic);  // from now on it is expected by its frame
+  if (is_first) {  // from now on it is expected by its frame
+    watchdog_.forgetLidar(received.topic);
+    watchdog_.expectLidar(frame);
+  }
   return lidar;
 }
 
