@@ -63,7 +63,7 @@ class Compat(MasterTest):
         self.assertLessEqual({f"localization/{name}" for name in ("max_particles", "angle_step", "z_hit")}, names)
 
     def testACarsLaunchFileMayIncludeMits(self):
-        path = self.folder / "car.launch"
+        path = self.folder / "localize.launch"  # as one of this package, which has other arguments
         path.write_text("""<launch>
             <include file="$(find racecar_mcl)/launch/simulate.launch"/>
             <include file="$(find racecar_mcl)/launch/compat/mit_pf.launch">
