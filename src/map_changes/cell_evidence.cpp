@@ -108,11 +108,11 @@ void CellEvidence::addPassed(const Eigen::Vector2d& lidar, const Eigen::Vector2d
   });
 }
 
-void CellEvidence::pass(std::size_t i) {
-  if (passed_[i] == views_) return;
-  passed_[i] = views_;
-  ++cells_[i].passed;
-  ++cells_[i].passed_after;
+void CellEvidence::pass(std::size_t cell) {
+  if (passed_[cell] == views_) return;
+  passed_[cell] = views_;
+  ++cells_[cell].passed;
+  ++cells_[cell].passed_after;
 }
 
 }  // namespace racecar_mcl
