@@ -1,6 +1,6 @@
 // Changes of maps found on simulated drives: recall, false regions, and the errors of the pose on
 // the map before and after the changes. Prints a table; --seed selects the first drive,
-// --drives their number, --only the rows whose name contains a text, --map the map.
+// --drives their number, --only a row by its name, --map the map.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -43,40 +43,49 @@ std::vector<Row> rows(const MapChangeDrive& common) {
   return all;
 }
 
+/// Sums of several drives; the greatest of their greatest errors.
+struct Total {
+  MapChangeScore score;
+  std::uint32_t views = 0;
+
+  void add(const MapChangeEvaluation& evaluation) {
+    const MapChangeScore& drive = evaluation.score();
+    score.visible_new += drive.visible_new;
+    score.found_new += drive.found_new;
+    score.visible_gone += drive.visible_gone;
+    score.found_gone += drive.found_gone;
+    score.regions += drive.regions;
+    score.false_regions += drive.false_regions;
+    score.mean_error += drive.mean_error;
+    score.max_error = std::max(score.max_error, drive.max_error);
+    views += evaluation.views();
+  }
+};
+
+std::string recall(int found, int visible) {
+  return visible > 0 ? std::to_string(100 * found / visible) + " % of " + std::to_string(visible)
+                     : std::string();
+}
+
 void print(const std::string& map, const Row& row) {
   MapChangeDrive drive = row.drive;
   drive.map = RACECAR_MCL_SOURCE_DIR "/maps/" + map + ".yaml";
-  const std::uint64_t first = drive.seed;
-  MapChangeScore sum;
-  double before = 0.0, after = 0.0, worst_before = 0.0, worst_after = 0.0;
-  std::uint32_t views = 0;
-  for (; drive.seed < first + drives; ++drive.seed) {
+  Total before, after;
+  for (const std::uint64_t end = drive.seed + drives; drive.seed < end; ++drive.seed) {
     ChangedCourse scene = changedCourse(drive);
     const MapChangeEvaluation evaluation(drive, scene);
-    const MapChangeScore& score = evaluation.score();
-    sum.visible_new += score.visible_new;
-    sum.found_new += score.found_new;
-    sum.visible_gone += score.visible_gone;
-    sum.found_gone += score.found_gone;
-    sum.regions += score.regions;
-    sum.false_regions += score.false_regions;
-    views += evaluation.views();
-    before += score.mean_error / double(drives);
-    worst_before = std::max(worst_before, score.max_error);
+    before.add(evaluation);
     scene.course.map = makeLocalizationMap(
         applyChanges(scene.course.map->grid, evaluation.changes()), LocalizerParameters());
-    const MapChangeScore proposed = MapChangeEvaluation(drive, scene).score();
-    after += proposed.mean_error / double(drives);
-    worst_after = std::max(worst_after, proposed.max_error);
+    after.add(MapChangeEvaluation(drive, scene));
   }
-  const auto recall = [](int found, int visible) {
-    return visible > 0 ? std::to_string(100 * found / visible) + " % of " + std::to_string(visible)
-                       : std::string();
-  };
+  const MapChangeScore& found = before.score;
+  const double to_mean = 100.0 / static_cast<double>(drives);
   std::printf("| %s | %s | %u | %s | %s | %d | %d | %.1f (%.1f) | %.1f (%.1f) |\n", map.c_str(),
-              row.name.c_str(), views, recall(sum.found_new, sum.visible_new).c_str(),
-              recall(sum.found_gone, sum.visible_gone).c_str(), sum.regions, sum.false_regions,
-              100.0 * before, 100.0 * worst_before, 100.0 * after, 100.0 * worst_after);
+              row.name.c_str(), before.views, recall(found.found_new, found.visible_new).c_str(),
+              recall(found.found_gone, found.visible_gone).c_str(), found.regions,
+              found.false_regions, to_mean * found.mean_error, 100.0 * found.max_error,
+              to_mean * after.score.mean_error, 100.0 * after.score.max_error);
   std::fflush(stdout);
 }
 
@@ -100,7 +109,7 @@ int main(int argc, char** argv) {
       "| on the proposed map |\n|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& map : maps) {
     for (const bench::Row& row : bench::rows(common)) {
-      if (row.name.find(only) != std::string::npos) bench::print(map, row);
+      if (only.empty() || row.name == only) bench::print(map, row);
     }
   }
   return 0;

@@ -159,8 +159,9 @@ void findMapChanges(const Options& o) {
   const std::uint32_t views = observer.detector().views();
   if (views < MapChangeParameters().min_views) {
     throw BagError(std::to_string(views) + " of " + std::to_string(record.scans_seen) +
-                   " scans were taken by a moving car with the status localized, too few to find "
-                   "changes; no map is proposed");
+                   " scans were taken by a moving and localized car, too few to find changes; "
+                   "expected " +
+                   std::to_string(MapChangeParameters().min_views) + "; no map is proposed");
   }
   std::cout << views << " of " << record.scans_seen << " scans compared with the map\n"
             << changesText(changes);
