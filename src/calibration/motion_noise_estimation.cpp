@@ -37,6 +37,7 @@ const std::vector<Term>& termsOf(MotionNoise model) {
       {"yaw_noise_from_rotation", &Parameters::yaw_noise_from_rotation},
       {"position_noise_from_time", &Parameters::position_noise_from_time},
       {"yaw_noise_from_time", &Parameters::yaw_noise_from_time},
+      {"slip_noise_from_speed", &Parameters::slip_noise_from_speed},
       {"slip_noise_from_acceleration", &Parameters::slip_noise_from_acceleration},
       {"translation_scale_error", &Parameters::translation_scale_error},
       {"curvature_error", &Parameters::curvature_error},

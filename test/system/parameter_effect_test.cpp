@@ -136,6 +136,7 @@ const std::vector<Change>& changes() {
       {"expert/translation_noise_from_rotation:=0.04", {"motion_model:=differential"}},
       {"expert/position_noise_from_time:=0.02"},
       {"expert/yaw_noise_from_time:=0.03"},
+      {"expert/slip_noise_from_speed:=0.03"},
       {"expert/slip_noise_from_acceleration:=0.03"},
       {"expert/translation_scale_error:=0.2"},
       {"expert/curvature_error:=0.05"},

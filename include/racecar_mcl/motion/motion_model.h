@@ -38,6 +38,8 @@ struct MotionModelParameters {
   double yaw_noise_from_rotation = 0.3;               ///< rad per sqrt(rad)
   double position_noise_from_time = 0.009;            ///< m per sqrt(s), while moving
   double yaw_noise_from_time = 0.016;                 ///< rad per sqrt(s), while moving
+  /// Along, m per sqrt(m) and per m/s of speed: wheels slip in bursts.
+  double slip_noise_from_speed = 0.015;
   /// Along and across, m per sqrt(m) and per m/s^2 of lateral acceleration.
   double slip_noise_from_acceleration = 0.015;
 

@@ -31,6 +31,7 @@ void forEachExpertParameter(Parameters& p, const Visit& visit) {
   visit("translation_noise_from_rotation", p.motion.translation_noise_from_rotation);
   visit("position_noise_from_time", p.motion.position_noise_from_time);
   visit("yaw_noise_from_time", p.motion.yaw_noise_from_time);
+  visit("slip_noise_from_speed", p.motion.slip_noise_from_speed);
   visit("slip_noise_from_acceleration", p.motion.slip_noise_from_acceleration);
   visit("translation_scale_error", p.motion.translation_scale_error);
   visit("curvature_error", p.motion.curvature_error);

@@ -67,12 +67,13 @@ Eigen::Matrix3d ackermannNoise(const MotionModelParameters& p, const Motion& mot
   const double speed = moves ? motion.distance / motion.seconds : 0.0;
   const double turn_rate = moves ? motion.rotation / motion.seconds : 0.0;
   const double slip = square(p.slip_noise_from_acceleration * speed * turn_rate) * motion.distance;
+  const double wheel_slip = square(p.slip_noise_from_speed * speed) * motion.distance;
   const double from_time = square(p.position_noise_from_time) * motion.seconds;
   const double length = motion.delta.x;
 
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   covariance(0, 0) = square(p.longitudinal_noise_from_translation) * motion.distance + slip +
-                     from_time + square(p.translation_scale_error * length);
+                     wheel_slip + from_time + square(p.translation_scale_error * length);
   covariance(1, 1) = square(p.lateral_noise_from_translation) * motion.distance + slip + from_time +
                      walk * square(length) / 3.0 + drift * square(length) / 4.0;
   covariance(1, 2) = covariance(2, 1) = (walk + drift) * length / 2.0;
@@ -146,6 +147,7 @@ void validate(const MotionModelParameters& p) {
       {"yaw_noise_from_rotation", p.yaw_noise_from_rotation},
       {"position_noise_from_time", p.position_noise_from_time},
       {"yaw_noise_from_time", p.yaw_noise_from_time},
+      {"slip_noise_from_speed", p.slip_noise_from_speed},
       {"slip_noise_from_acceleration", p.slip_noise_from_acceleration},
       {"translation_scale_error", p.translation_scale_error},
       {"curvature_error", p.curvature_error},

@@ -73,8 +73,8 @@ TEST(FitMotionNoise, RecoversTheDifferentialModel) {
 TEST(FitMotionNoise, RecoversTheMainTermsOfTheAckermannModel) {
   Random random(3);
   MotionModelParameters truth;
-  truth.position_noise_from_time = truth.yaw_noise_from_time = truth.slip_noise_from_acceleration =
-      0.0;
+  truth.position_noise_from_time = truth.yaw_noise_from_time = 0.0;
+  truth.slip_noise_from_speed = truth.slip_noise_from_acceleration = 0.0;
   truth.longitudinal_noise_from_translation = 0.05;
   truth.lateral_noise_from_translation = 0.03;
   truth.yaw_noise_from_translation = 0.03;

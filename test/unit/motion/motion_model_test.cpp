@@ -160,6 +160,7 @@ TEST(MotionModelParameters, RejectNoiseOutOfRange) {
       &MotionModelParameters::yaw_noise_from_rotation,
       &MotionModelParameters::position_noise_from_time,
       &MotionModelParameters::yaw_noise_from_time,
+      &MotionModelParameters::slip_noise_from_speed,
       &MotionModelParameters::slip_noise_from_acceleration,
       &MotionModelParameters::translation_scale_error,
       &MotionModelParameters::curvature_error,

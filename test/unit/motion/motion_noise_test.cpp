@@ -24,7 +24,7 @@ MotionModelParameters quiet() {
   parameters.longitudinal_noise_from_translation = parameters.lateral_noise_from_translation = 0.0;
   parameters.yaw_noise_from_translation = parameters.yaw_noise_from_rotation = 0.0;
   parameters.position_noise_from_time = parameters.yaw_noise_from_time = 0.0;
-  parameters.slip_noise_from_acceleration = 0.0;
+  parameters.slip_noise_from_speed = parameters.slip_noise_from_acceleration = 0.0;
   return parameters;
 }
 
@@ -100,6 +100,18 @@ TEST(AckermannNoise, TheCorrelationOfHeadingAndPositionChangesSignInReverse) {
   EXPECT_GT(ahead(1, 2), 0.0);
   EXPECT_NEAR(back(1, 2), -ahead(1, 2), 1e-15);
   EXPECT_NEAR(back(1, 1), ahead(1, 1), 1e-15);
+}
+
+TEST(AckermannNoise, SlipsAlongAtSpeed) {
+  MotionModelParameters parameters = quiet();
+  parameters.slip_noise_from_speed = 0.02;
+  for (const double speed : {1.0, 5.0}) {  // over two metres
+    const Eigen::Matrix3d noise =
+        motionCovariance(parameters, motionOf({speed, 0.0, 0.5}, 2.0 / speed));
+    Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+    expected(0, 0) = 0.02 * speed * 0.02 * speed * 2.0;
+    EXPECT_TRUE(noise.isApprox(expected, 1e-9)) << noise;
+  }
 }
 
 TEST(AckermannNoise, SlipsInFastCurves) {
@@ -208,8 +220,8 @@ TEST(MotionNoise, GrowsWithTheSquareOfEveryParameter) {
       {MotionNoise::kAckermann,
        {&P::longitudinal_noise_from_translation, &P::lateral_noise_from_translation,
         &P::yaw_noise_from_translation, &P::yaw_noise_from_rotation, &P::position_noise_from_time,
-        &P::yaw_noise_from_time, &P::slip_noise_from_acceleration, &P::translation_scale_error,
-        &P::curvature_error, &P::rotation_scale_error}}};
+        &P::yaw_noise_from_time, &P::slip_noise_from_speed, &P::slip_noise_from_acceleration,
+        &P::translation_scale_error, &P::curvature_error, &P::rotation_scale_error}}};
   const Motion motion{{0.4, 0.05, 0.2}, 0.42, 0.25, 0.3, 10.0};
   for (const auto& [model, members] : models) {
     for (double P::*const member : members) {
