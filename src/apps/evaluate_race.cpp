@@ -55,9 +55,12 @@ void addOptions(Options* o, CLI::App* app) {
 void printHeader() {
   std::printf(
       "| map | limit | grip | opponent | laps | max speed | lateral error on the truth, mean / max "
-      "| lateral error on the estimate, mean / max | localization error, mean / max | lap time on "
-      "the truth | lap time on the estimate | scan at the bounds | collisions |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| lateral error on the estimate, mean / max | error along, mean / max | error across, mean "
+      "/ "
+      "max | localized | of these beyond the protection level | lap time on the truth | lap time "
+      "on "
+      "the estimate | scan at the bounds | collisions |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
 void printRow(const std::string& map, const RaceSettings& settings, const std::string& grip,
@@ -69,13 +72,15 @@ void printRow(const std::string& map, const RaceSettings& settings, const std::s
     return std::string(text);
   };
   std::printf(
-      "| %s | %.1f m/s | %s | %s | %zu | %.2f m/s | %s | %s | %s | %.3f ± %.3f s | %.3f ± %.3f s | "
-      "%.1f %% | %d |\n",
+      "| %s | %.1f m/s | %s | %s | %zu | %.2f m/s | %s | %s | %s | %s | %.2f %% | %.2f %% | "
+      "%.3f ± %.3f s | %.3f ± %.3f s | %.1f %% | %d |\n",
       map.c_str(), settings.max_speed, grip.c_str(), settings.has_opponent ? "one" : "none",
       estimate.lap_times.size(), estimate.max_speed, centimetres(truth.lateral).c_str(),
-      centimetres(estimate.lateral).c_str(), centimetres(estimate.localization).c_str(),
-      truth.meanLapTime(), truth.lapTimeDeviation(), estimate.meanLapTime(),
-      estimate.lapTimeDeviation(), 100.0 * estimate.shareAtBounds(), estimate.collisions);
+      centimetres(estimate.lateral).c_str(), centimetres(estimate.along).c_str(),
+      centimetres(estimate.across).c_str(), 100.0 * estimate.shareLocalized(),
+      100.0 * estimate.shareBeyondLevel(), truth.meanLapTime(), truth.lapTimeDeviation(),
+      estimate.meanLapTime(), estimate.lapTimeDeviation(), 100.0 * estimate.shareAtBounds(),
+      estimate.collisions);
   std::fflush(stdout);
 }
 

@@ -7,6 +7,13 @@
 #include "racecar_mcl/map/distance_field.h"
 
 namespace racecar_mcl {
+namespace {
+
+double share(long part, long all) {
+  return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
+}
+
+}  // namespace
 
 double RaceScore::meanLapTime() const {
   if (lap_times.empty()) return 0.0;
@@ -22,18 +29,39 @@ double RaceScore::lapTimeDeviation() const {
   return std::sqrt(squared / static_cast<double>(lap_times.size()));
 }
 
-double RaceScore::shareAtBounds() const {
-  if (returns == 0) return 0.0;
-  return static_cast<double>(returns_at_bounds) / static_cast<double>(returns);
+double RaceScore::shareAtBounds() const { return share(returns_at_bounds, returns); }
+double RaceScore::shareLocalized() const { return share(scans_localized, scans); }
+double RaceScore::shareBeyondLevel() const { return share(scans_beyond_level, scans_localized); }
+
+void RaceScore::addEstimate(const Pose2& estimate, const Pose2& true_pose) {
+  const Pose2 error = between(true_pose, estimate);
+  along.add(std::abs(error.x));
+  across.add(std::abs(error.y));
+}
+
+void RaceScore::addStatus(const LocalizationStatus& status, const Pose2& estimate,
+                          const Pose2& true_pose) {
+  ++scans;
+  if (status.state != LocalizationState::kLocalized) return;
+  ++scans_localized;
+  const Pose2 error = between(true_pose, estimate);
+  if (std::abs(error.x) > status.level.along || std::abs(error.y) > status.level.across ||
+      std::abs(error.yaw) > status.level.heading) {
+    ++scans_beyond_level;
+  }
 }
 
 RaceScore& RaceScore::operator+=(const RaceScore& other) {
   lateral.add(other.lateral);
-  localization.add(other.localization);
+  along.add(other.along);
+  across.add(other.across);
   lap_times.insert(lap_times.end(), other.lap_times.begin(), other.lap_times.end());
   max_speed = std::max(max_speed, other.max_speed);
   returns += other.returns;
   returns_at_bounds += other.returns_at_bounds;
+  scans += other.scans;
+  scans_localized += other.scans_localized;
+  scans_beyond_level += other.scans_beyond_level;
   collisions += other.collisions;
   return *this;
 }

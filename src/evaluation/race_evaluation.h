@@ -13,12 +13,21 @@ namespace racecar_mcl {
 
 struct RaceScore {
   PositionErrors lateral;         ///< m, distances of the true pose from the raceline
-  PositionErrors localization;    ///< m, of the estimates that the car was driven on
+  PositionErrors along;           ///< m, of the estimates that the car was driven on, in the
+  PositionErrors across;          ///< direction of the true heading and across it
   std::vector<double> lap_times;  ///< s
   double max_speed = 0.0;         ///< m/s
   long returns = 0;               ///< of all scans, without those from opponents
   long returns_at_bounds = 0;     ///< of these, see BoundsMatch
+  long scans = 0;
+  long scans_localized = 0;     ///< of these, with the status `localized`
+  long scans_beyond_level = 0;  ///< of these, with an error beyond the protection level
   int collisions = 0;
+
+  /// Adds the error of an estimate on which the car is driven.
+  void addEstimate(const Pose2& estimate, const Pose2& true_pose);
+  /// Adds the status of a scan, whose estimate has this error.
+  void addStatus(const LocalizationStatus& status, const Pose2& estimate, const Pose2& true_pose);
 
   /// s; 0 without laps.
   double meanLapTime() const;
@@ -26,6 +35,10 @@ struct RaceScore {
   double lapTimeDeviation() const;
   /// 0 without returns.
   double shareAtBounds() const;
+  /// 0 without scans.
+  double shareLocalized() const;
+  /// 0 without scans that are localized.
+  double shareBeyondLevel() const;
   RaceScore& operator+=(const RaceScore& other);
 };
 

@@ -30,7 +30,7 @@ class RaceRecorder {
     timer_.update(place.along, truth.stamp);
     if (laps() < 1) return;
     score.lateral.add(std::abs(place.lateral));
-    score.localization.add(distance(estimate, truth.base_in_map));
+    score.addEstimate(estimate, truth.base_in_map);
     score.max_speed = std::max(score.max_speed, truth.twist.vx);
   }
 
@@ -111,8 +111,10 @@ inline RaceScore raceOnEstimate(const RaceTrack& track, const LocalizerParameter
   return recorder.drive(settings.laps, [&] {
     drive.drive(sim::kControlPeriod, [&](const Observation& seen) {
       if (recorder.laps() < 1 || !hasEstimate(seen.result.outcome)) return;
+      const Pose2& estimate = seen.result.update.estimate.base_in_map;
+      recorder.score.addStatus(seen.result.status, estimate, seen.base_in_map);
       const Scan deskewed = drive.localizer().correctedScan(scan, static_cast<int>(scan.size()));
-      bounds.add(deskewed, seen.result.update.estimate.base_in_map, is_opponent, &recorder.score);
+      bounds.add(deskewed, estimate, is_opponent, &recorder.score);
     });
     recorder.score.collisions = drive.simulator().collisions();
   });

@@ -24,13 +24,16 @@ class RaceTest : public ::testing::TestWithParam<const char*> {
   void expectAsOnTheTruth(const RaceSettings& settings) const {
     const RaceScore truth = raceOnTruth(track_, settings);
     EXPECT_EQ(truth.collisions, 0);
-    EXPECT_EQ(truth.localization.max(), 0.0);
+    EXPECT_NEAR(truth.along.max(), 0.0, 1e-9);
     const RaceScore estimate = raceOnEstimate(track_, {}, settings);
     EXPECT_EQ(estimate.lap_times.size(), static_cast<std::size_t>(settings.laps));
     EXPECT_EQ(estimate.collisions, 0);
     EXPECT_GT(estimate.max_speed, 7.5);
     EXPECT_LT(estimate.lateral.mean(), truth.lateral.mean() + 0.01);
-    EXPECT_LT(estimate.localization.mean(), 0.025);
+    EXPECT_LT(estimate.along.mean(), 0.025);
+    EXPECT_LT(estimate.across.mean(), 0.01);
+    EXPECT_GT(estimate.shareLocalized(), 0.95);
+    EXPECT_LE(estimate.shareBeyondLevel(), 0.001);
     EXPECT_GT(estimate.shareAtBounds(), 0.98);
     EXPECT_NEAR(estimate.meanLapTime(), truth.meanLapTime(), 0.1);
   }

@@ -51,6 +51,36 @@ TEST(RaceScore, SummarizesLapTimes) {
   EXPECT_EQ(score.max_speed, 7.0);
 }
 
+TEST(RaceScore, HasTheErrorsInTheFrameOfTheCar) {
+  RaceScore score;
+  EXPECT_EQ(score.shareLocalized(), 0.0);
+  EXPECT_EQ(score.shareBeyondLevel(), 0.0);
+  const Pose2 truth{1.0, 2.0, kPi / 2.0};
+  score.addEstimate({1.0, 2.1, 0.0}, truth);
+  score.addEstimate({1.02, 2.0, 0.0}, truth);
+  EXPECT_NEAR(score.along.max(), 0.1, 1e-12);
+  EXPECT_NEAR(score.across.max(), 0.02, 1e-12);
+}
+
+TEST(RaceScore, CountsErrorsBeyondTheLevelWhileLocalized) {
+  RaceScore score;
+  LocalizationStatus status;
+  status.level = {0.2, 0.05, 0.1};
+  const auto add = [&](LocalizationState state, const Pose2& estimate) {
+    status.state = state;
+    score.addStatus(status, estimate, {});
+  };
+  add(LocalizationState::kLocalized, {0.19, 0.04, 0.09});
+  add(LocalizationState::kLocalized, {0.21, 0.0, 0.0});
+  add(LocalizationState::kLocalized, {0.0, -0.06, 0.0});
+  add(LocalizationState::kLocalized, {0.0, 0.0, -0.11});
+  add(LocalizationState::kDegraded, {1.0, 0.0, 0.0});
+  RaceScore sum;
+  sum += score;
+  EXPECT_NEAR(sum.shareLocalized(), 0.8, 1e-12);
+  EXPECT_NEAR(sum.shareBeyondLevel(), 0.75, 1e-12);
+}
+
 TEST(BoundsMatch, FallsWithTheErrorOfThePose) {
   const Room room;
   const BoundsMatch bounds(room.grid());
