@@ -49,6 +49,11 @@ TEST_F(LocalizerTest, FollowsTheCarWithDefaults) {
   Localizer localizer = started(LocalizerParameters{});
   drive(&localizer, 0.0, 4.0);
   expectNear(localizer.estimateAt(start_ + 4.0)->base_in_map, truthAt(start_ + 4.0), 0.08, 0.05);
+  const Localizability& localizability = localizer.status().localizability;
+  for (const double sigma : {localizability.along, localizability.across, localizability.heading}) {
+    EXPECT_GT(sigma, 1e-4);
+    EXPECT_LT(sigma, 0.3);
+  }
 }
 
 TEST_F(LocalizerTest, ChoosesBeamsByTheLayout) {

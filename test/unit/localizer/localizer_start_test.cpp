@@ -82,6 +82,25 @@ TEST_F(LocalizerTest, StartsAnywhereOnTheMap) {
   EXPECT_GT(localizer.estimateAt(start_)->covariance(0, 0), 1.0);
 }
 
+TEST_F(LocalizerTest, AGlobalStartSearchesTheMapUnlessRelocalizationIsOff) {
+  const auto error = [this](Relocalization relocalization) {
+    LocalizerParameters parameters = fewBeams();
+    parameters.filter.num_particles = parameters.filter.max_particles = 30;
+    parameters.relocalization = relocalization;
+    Localizer localizer = started(parameters);
+    localizer.initializeGlobally();
+    drive(&localizer, 0.0, kScanPeriod);
+    const Pose2 found = localizer.estimateAt(start_ + kScanPeriod)->base_in_map;
+    const Pose2 truth = truthAt(start_ + kScanPeriod);
+    // The room looks the same from the other side.
+    const Pose2 other{room_.width - truth.x, room_.height - truth.y, truth.yaw + kPi};
+    return std::min(distance(found, truth), distance(found, other));
+  };
+  EXPECT_LT(error(Relocalization::kFull), 0.3);
+  EXPECT_LT(error(Relocalization::kStart), 0.3);
+  EXPECT_GT(error(Relocalization::kOff), 0.3);
+}
+
 TEST_F(LocalizerTest, AStartResetsTheStatus) {
   Localizer localizer = started();
   drive(&localizer, 0.0, 1.0);
