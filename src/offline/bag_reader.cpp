@@ -326,7 +326,7 @@ std::string BagReader::scanFrame(const std::string& topic) const {
 }
 
 std::string BagReader::requireScanFrame(const std::string& topic) const {
-  const std::string frame = scanFrame(topic);
+  std::string frame = scanFrame(topic);
   if (!frame.empty()) return frame;
   throw BagError(names() + ": the scans on " + printable(topic) +
                  " have no frame_id, so that tf does not have the lidar's pose; set it with "
