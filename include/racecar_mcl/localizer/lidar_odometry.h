@@ -51,6 +51,7 @@ class LidarOdometry {
   void restart(const Pose2& base);
 
   ParticleFilter filter_;
+  MotionModelParameters motion_parameters_;
   LikelihoodFieldParameters field_parameters_;
   int num_threads_;
   std::deque<Keyframe> keyframes_;

@@ -29,6 +29,19 @@ ParticleFilterParameters trackingOnly(ParticleFilterParameters parameters) {
   return parameters;
 }
 
+/// Matches pull toward standing still along a corridor without features, where the ends of the
+/// beams are the same from every place: the more, the larger the noise is.
+MotionModelParameters withoutSlip(MotionModelParameters parameters) {
+  parameters.slip_noise_from_speed = 0.0;
+  return parameters;
+}
+
+/// The factor of slip on the standard deviation along the car.
+double slipFactor(const MotionModelParameters& parameters, const Motion& motion) {
+  const double without = motionCovariance(withoutSlip(parameters), motion)(0, 0);
+  return without > 0.0 ? std::sqrt(motionCovariance(parameters, motion)(0, 0) / without) : 1.0;
+}
+
 /// The nearest positive semidefinite matrix.
 Eigen::Matrix3d positivePart(const Eigen::Matrix3d& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(0.5 * (matrix + matrix.transpose()));
@@ -41,7 +54,8 @@ Eigen::Matrix3d positivePart(const Eigen::Matrix3d& matrix) {
 LidarOdometry::LidarOdometry(const ParticleFilterParameters& filter,
                              const MotionModelParameters& motion,
                              const LikelihoodFieldParameters& field, std::uint64_t seed)
-    : filter_(trackingOnly(filter), motion, seed),
+    : filter_(trackingOnly(filter), withoutSlip(motion), seed),
+      motion_parameters_(motion),
       field_parameters_(field),
       num_threads_(filter.num_threads) {
   reset();
@@ -50,7 +64,8 @@ LidarOdometry::LidarOdometry(const ParticleFilterParameters& filter,
 void LidarOdometry::setParameters(const ParticleFilterParameters& filter,
                                   const MotionModelParameters& motion,
                                   const LikelihoodFieldParameters& field) {
-  filter_.setParameters(trackingOnly(filter), motion);
+  filter_.setParameters(trackingOnly(filter), withoutSlip(motion));
+  motion_parameters_ = motion;
   field_parameters_ = field;
   num_threads_ = filter.num_threads;
 }
@@ -160,7 +175,9 @@ Motion LidarOdometry::refine(const Motion& motion, const Scan& beams) {
   const double c = std::cos(before.yaw), s = std::sin(before.yaw);
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() << c, s, -s, c;
-  refined.covariance = turn * added * turn.transpose();
+  // What the match does not observe has the noise of slip as well.
+  const Eigen::Vector3d scale(slipFactor(motion_parameters_, motion), 1.0, 1.0);
+  refined.covariance = scale.asDiagonal() * (turn * added * turn.transpose()) * scale.asDiagonal();
   if (sinceKeyframe(beams) >= kKeyframeDistance) {
     addKeyframe(beams, base_);
     buildField();
