@@ -20,13 +20,14 @@ class ScanClocks {
   /// kUsed if the stamp is newer than that of the lidar's last used scan, and not much older than
   /// that of another lidar. A second stamp that is older by clock_jump or more restarts the time of
   /// all lidars; one alone is an outlier, as is one far ahead of the lidar's scans and
-  /// `max_stamp` (s, by odometry). While other lidars and the odometry go on, a lidar with another
-  /// time has a wrong clock, and none of its scans is used.
+  /// `max_stamp` (s, by odometry). A clock that jumps while another lidar and the odometry go on is
+  /// wrong, and its scans remain outliers.
   ScanOutcome check(double stamp, int lidar, const std::optional<double>& max_stamp);
   void recordUsed(double stamp, int lidar);
   /// Accepts any next stamps.
   void reset();
 
+  double clockJump() const { return clock_jump_; }  ///< s
   /// The newest stamp of a used scan.
   std::optional<double> newest() const { return newest_; }
   /// s, the time at which a scan is evaluated: its own stamp or, if a newer scan of another lidar
@@ -39,7 +40,8 @@ class ScanClocks {
     ClockJumpDetector clock_jump;
   };
 
-  bool hasOthers(int lidar) const;
+  /// Whether the last used scan of another lidar is near `now`, s.
+  bool anotherGoesOn(int lidar, double now) const;
 
   double clock_jump_;
   std::vector<ScanClock> clocks_;  ///< by Scan::lidar

@@ -22,6 +22,8 @@ class ClockJumpDetector {
   /// A stamp after `max_stamp` is far.
   StampCheck check(double stamp, double max_stamp);
 
+  double maxBack() const { return max_back_; }  ///< s
+
   /// The newest stamp that was no outlier.
   std::optional<double> newest() const { return newest_; }
 

@@ -29,9 +29,7 @@ void PoseExtrapolator::setParameters(const OdometryParameters& odometry,
                                      const MotionModelParameters& motion) {
   const Lock lock(*mutex_);
   odometry_.setParameters(odometry);
-  const double clock_jump = parameters_.clock_jump;
   parameters_ = odometry;
-  parameters_.clock_jump = clock_jump;
   motion_parameters_ = motion;
 }
 
@@ -158,7 +156,7 @@ ScanOutcome PoseExtrapolator::checkStamp(double stamp, int lidar) {
   if (outcome != ScanOutcome::kTimeJumpedBack) return outcome;
   ++counters_.time_jumps;
   // Odometry from before the jump belongs to the old time.
-  if (!odometry.empty() && stamp <= odometry.newestStamp() - parameters_.clock_jump) {
+  if (!odometry.empty() && stamp <= odometry.newestStamp() - scan_clocks_.clockJump()) {
     odometry_.reset();
   }
   return outcome;

@@ -1,6 +1,7 @@
 #include "racecar_mcl/localizer/scan_clocks.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "racecar_mcl/common/limits.h"
 #include "racecar_mcl/scan/scan.h"
@@ -16,6 +17,9 @@ constexpr double kUnknownPeriod = 0.2;  // s
 // Odometry moves a scan to the stamp of another lidar's newer scan over at most this time: a lidar
 // with 5 Hz whose scans arrive after those of a faster one.
 constexpr double kMaxScanLag = 0.3;  // s
+
+// Another lidar goes on if odometry is not further from its last scan: more than a period of 5 Hz.
+constexpr double kMaxScanAge = 0.5;  // s
 
 }  // namespace
 
@@ -35,9 +39,10 @@ double ScanClocks::evaluationStamp(double stamp) const {
   return std::max(stamp, newest_.value_or(stamp));
 }
 
-bool ScanClocks::hasOthers(int lidar) const {
+bool ScanClocks::anotherGoesOn(int lidar, double now) const {
   for (int other = 0; other < kMaxLidars; ++other) {
-    if (other != lidar && clocks_[static_cast<std::size_t>(other)].last_used) return true;
+    const std::optional<double>& used = clocks_[static_cast<std::size_t>(other)].last_used;
+    if (other != lidar && used && std::abs(now - *used) <= kMaxScanAge) return true;
   }
   return false;
 }
@@ -50,15 +55,16 @@ ScanOutcome ScanClocks::check(double stamp, int lidar, const std::optional<doubl
     const double next = *scan + kMaxScanPeriodsAhead * knownPeriod(clock.clock_jump.period());
     latest = std::max(next, latest.value_or(next));
   }
-  if (clock.clock_jump.check(stamp, latest.value_or(stamp)) == StampCheck::kOutlier) {
+  const ClockJumpDetector before = clock.clock_jump;
+  const StampCheck checked = clock.clock_jump.check(stamp, latest.value_or(stamp));
+  if (checked == StampCheck::kOutlier) return ScanOutcome::kStampOutlier;
+  if (checked == StampCheck::kClockJump && max_stamp && anotherGoesOn(lidar, *max_stamp)) {
+    clock.clock_jump = before;  // the clock of this lidar alone
     return ScanOutcome::kStampOutlier;
   }
-  const bool others_go_on =
-      hasOthers(lidar) && max_stamp && newest_ && *max_stamp >= *newest_ - kMaxScanLag;
-  if (others_go_on && stamp > *max_stamp + kMaxScanLag) return ScanOutcome::kStampOutlier;
   if (clock.last_used && stamp <= *clock.last_used) {
     if (stamp == *clock.last_used) return ScanOutcome::kRepeatedStamp;
-    if (others_go_on || stamp > *clock.last_used - clock_jump_) return ScanOutcome::kOutOfOrder;
+    if (stamp > *clock.last_used - clock_jump_) return ScanOutcome::kOutOfOrder;
     const ClockJumpDetector of_lidar = clock.clock_jump;  // has accepted the new time
     reset();
     clocks_[static_cast<std::size_t>(lidar)].clock_jump = of_lidar;

@@ -78,9 +78,7 @@ OdometryBuffer::OdometryBuffer(const OdometryParameters& parameters)
 
 void OdometryBuffer::setParameters(const OdometryParameters& parameters) {
   validate(parameters);
-  const double clock_jump = parameters_.clock_jump;
   parameters_ = parameters;
-  parameters_.clock_jump = clock_jump;
 }
 
 OdometryOutcome OdometryBuffer::add(const OdometrySample& sample) {
@@ -120,7 +118,7 @@ OdometryOutcome OdometryBuffer::insert(const OdometrySample& sample) {
 
   const Entry& last = entries_.back();
   const double elapsed = sample.stamp - last.stamp;
-  if (elapsed <= -parameters_.clock_jump) {
+  if (elapsed <= -clock_jump_.maxBack()) {
     reset();
     clock_jump_.check(sample.stamp, sample.stamp);
     entries_.push_back({sample.stamp, {}, 0.0, first_twist, sample.base_in_odom, start_});
