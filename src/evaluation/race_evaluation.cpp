@@ -89,13 +89,10 @@ BoundsMatch::BoundsMatch(const OccupancyGrid& map)
 void BoundsMatch::add(const Scan& scan, const Pose2& base_in_map,
                       const std::function<bool(const Eigen::Vector2d&)>& is_ignored,
                       RaceScore* score) const {
-  const Pose2 laser_in_map = compose(base_in_map, scan.laser_in_base);
+  const Eigen::Matrix2Xd ends = endPoints(compose(base_in_map, scan.laser_in_base), scan);
   for (Eigen::Index i = 0; i < scan.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges[i]);
-    if (!std::isfinite(range)) continue;
-    const double yaw = laser_in_map.yaw + static_cast<double>(scan.bearings[i]);
-    const Eigen::Vector2d point(laser_in_map.x + range * std::cos(yaw),
-                                laser_in_map.y + range * std::sin(yaw));
+    if (!std::isfinite(scan.ranges[i])) continue;
+    const Eigen::Vector2d point = ends.col(i);
     if (is_ignored(point)) continue;
     ++score->returns;
     score->returns_at_bounds += distanceAt(point) <= kMaxDistance ? 1 : 0;

@@ -23,15 +23,14 @@ View viewOf(const PoseEstimate& estimate, const Scan& beams) {
   View view;
   view.stamp = beams.stamp;
   view.lidar_in_map = {lidar.x, lidar.y};
+  const Eigen::Matrix2Xd ends = endPoints(lidar, beams);
   view.ends_in_map.resize(2, beams.size());
   view.tolerances.resize(beams.size());
   Eigen::Index count = 0;
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
     const auto range = static_cast<double>(beams.ranges[k]);
     if (!std::isfinite(range) || range < kMinRange) continue;
-    const double angle = lidar.yaw + static_cast<double>(beams.bearings[k]);
-    const Eigen::Vector2d end =
-        view.lidar_in_map + range * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const Eigen::Vector2d end = ends.col(k);
     const double tolerance =
         kPoseSigmas * majorSigma(pointCovariance(estimate.covariance, end - base));
     if (tolerance > kMaxTolerance) continue;

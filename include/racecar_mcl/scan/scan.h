@@ -25,6 +25,10 @@ struct Scan {
   Eigen::Index size() const { return bearings.size(); }
 };
 
+/// m, 2 x K: the ends of the beams in the frame of this pose of the lidar; not finite for beams
+/// without a return.
+Eigen::Matrix2Xd endPoints(const Pose2& lidar, const Scan& beams);
+
 /// The beams with these indices.
 Scan takeBeams(const Scan& scan, const std::vector<Eigen::Index>& chosen);
 

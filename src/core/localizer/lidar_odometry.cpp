@@ -93,15 +93,12 @@ double& LidarOdometry::sinceKeyframe(const Scan& beams) {
 }
 
 void LidarOdometry::addKeyframe(const Scan& beams, const Pose2& base) {
-  const Pose2 lidar = compose(base, beams.laser_in_base);
-  Keyframe keyframe{beams.lidar, base, Eigen::Matrix2Xd(2, beams.size())};
+  Keyframe keyframe{beams.lidar, base, endPoints(compose(base, beams.laser_in_base), beams)};
   Eigen::Index count = 0;
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
-    if (!(static_cast<double>(beams.ranges[k]) < kMaxRange)) continue;
-    const double bearing = lidar.yaw + static_cast<double>(beams.bearings[k]);
-    const double range = static_cast<double>(beams.ranges[k]);
-    keyframe.ends.col(count++) << lidar.x + range * std::cos(bearing),
-        lidar.y + range * std::sin(bearing);
+    if (static_cast<double>(beams.ranges[k]) < kMaxRange) {
+      keyframe.ends.col(count++) = keyframe.ends.col(k).eval();
+    }
   }
   keyframe.ends.conservativeResize(2, count);
   keyframes_.push_back(std::move(keyframe));

@@ -19,18 +19,6 @@ constexpr double kPoseSigmas = 3.0;
 // person.
 constexpr double kHalfDepth = 0.2;  // m
 
-/// m, 2 x K: end points relative to the car's position, in the axes of the map; infinite for beams
-/// without a return.
-Eigen::Matrix2Xd endPointsFrom(const Pose2& base_in_map, const Scan& beams) {
-  const Pose2 lidar = compose({0.0, 0.0, base_in_map.yaw}, beams.laser_in_base);
-  const Eigen::ArrayXd angles = lidar.yaw + beams.bearings.cast<double>();
-  const Eigen::ArrayXd ranges = beams.ranges.cast<double>();
-  Eigen::Matrix2Xd ends(2, beams.size());
-  ends.row(0) = (lidar.x + ranges * angles.cos()).transpose();
-  ends.row(1) = (lidar.y + ranges * angles.sin()).transpose();
-  return ends;
-}
-
 /// Single linkage: indices of the columns of `points`, cluster by cluster.
 std::vector<std::vector<Eigen::Index>> linkPoints(const Eigen::Matrix2Xd& points) {
   std::vector<Eigen::Index> unlinked(static_cast<std::size_t>(points.cols()));
@@ -109,7 +97,9 @@ ObstacleDetector::ObstacleDetector(const ObstacleDetectionParameters& parameters
 
 DetectedObstacles ObstacleDetector::detect(const MapView& map, const PoseEstimate& estimate,
                                            const Scan& beams) {
-  const Eigen::Matrix2Xd ends = endPointsFrom(estimate.base_in_map, beams);
+  // Relative to the car's position, in the axes of the map.
+  const Eigen::Matrix2Xd ends =
+      endPoints(compose({0.0, 0.0, estimate.base_in_map.yaw}, beams.laser_in_base), beams);
   Eigen::ArrayXf distances(beams.size());
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
     const double sigma = majorSigma(pointCovariance(estimate.covariance, ends.col(k)));

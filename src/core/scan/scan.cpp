@@ -2,6 +2,15 @@
 
 namespace racecar_mcl {
 
+Eigen::Matrix2Xd endPoints(const Pose2& lidar, const Scan& beams) {
+  const Eigen::ArrayXd angles = lidar.yaw + beams.bearings.cast<double>();
+  const Eigen::ArrayXd ranges = beams.ranges.cast<double>();
+  Eigen::Matrix2Xd ends(2, beams.size());
+  ends.row(0) = (lidar.x + ranges * angles.cos()).transpose();
+  ends.row(1) = (lidar.y + ranges * angles.sin()).transpose();
+  return ends;
+}
+
 Scan takeBeams(const Scan& scan, const std::vector<Eigen::Index>& chosen) {
   const auto count = static_cast<Eigen::Index>(chosen.size());
   Scan taken;

@@ -40,16 +40,13 @@ bool openWriter(const std::string& path, double rate, cv::Size size, cv::VideoWr
 }
 
 /// The end points of all returns in the map frame, corrected as the filter's.
-std::vector<cv::Point2d> endPoints(const Scan& scan, const Pose2& base_in_map,
+std::vector<cv::Point2d> returnsOf(const Scan& scan, const Pose2& base_in_map,
                                    const Localizer& localizer) {
   const Scan beams = localizer.correctedScan(scan, static_cast<int>(scan.size()));
-  const Pose2 lidar = compose(base_in_map, beams.laser_in_base);
+  const Eigen::Matrix2Xd ends = endPoints(compose(base_in_map, beams.laser_in_base), beams);
   std::vector<cv::Point2d> points;
   for (Eigen::Index i = 0; i < beams.size(); ++i) {
-    const double range = static_cast<double>(beams.ranges[i]);
-    if (!std::isfinite(range)) continue;
-    const double yaw = lidar.yaw + static_cast<double>(beams.bearings[i]);
-    points.emplace_back(lidar.x + range * std::cos(yaw), lidar.y + range * std::sin(yaw));
+    if (std::isfinite(beams.ranges[i])) points.emplace_back(ends(0, i), ends(1, i));
   }
   return points;
 }
@@ -107,7 +104,7 @@ std::optional<Pose2> VideoRecorder::truthAt(double time) const {
 void VideoRecorder::onScan(const Scan& scan, const ScanRow& row, const Localizer& localizer) {
   last_scan_ = row;
   const UpdateResult& update = row.result.update;
-  scan_points_ = endPoints(scan, update.estimate.base_in_map, localizer);
+  scan_points_ = returnsOf(scan, update.estimate.base_in_map, localizer);
   if (update.particles > 0) {
     sample_size_plot_.add(scan.stamp, 100.0 * update.effective_sample_size / update.particles);
   }
