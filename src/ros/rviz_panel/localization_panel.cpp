@@ -12,6 +12,7 @@
 #include <QPushButton>
 #include <QTimer>
 #include <QVBoxLayout>
+#include <chrono>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ros/localization/diagnostics.h"
@@ -24,6 +25,7 @@ constexpr char kDefaultNode[] = "/localization";
 constexpr double kMaxStatusAge = 2.0;       // s
 constexpr double kMaxDiagnosticsAge = 5.0;  // s
 constexpr int kRefreshPeriod = 500;         // ms
+constexpr auto kShutdownPeriod = std::chrono::milliseconds(50);
 
 /// A label for this many lines of text, which can be copied. The text may be longer than the panel
 /// is wide.
@@ -81,22 +83,29 @@ LocalizationPanel::LocalizationPanel(QWidget* parent)
 }
 
 LocalizationPanel::~LocalizationPanel() {
-  // Ends a call that waits for its answer, for which the thread would wait.
-  const std::lock_guard<std::mutex> lock(client_mutex_);
   is_closing_ = true;
-  client_.shutdown();
+  // Ends a call that waits for its answer, for which the thread would wait. A call that has not
+  // connected yet is not ended.
+  std::unique_lock<std::mutex> lock(client_mutex_);
+  while (client_) {
+    client_.shutdown();
+    call_ended_.wait_for(lock, kShutdownPeriod);
+  }
 }
 
 template <typename Service>
 std::string LocalizationPanel::callOrExplain(const std::string& name, Service* service) {
   if (!ros::service::exists(name, false)) return "there is no service " + name;
   ros::ServiceClient client = handle_.serviceClient<Service>(name, true);
-  {
+  const auto set_client = [this](const ros::ServiceClient& newest) {
     const std::lock_guard<std::mutex> lock(client_mutex_);
-    if (is_closing_) return "closed";
-    client_ = client;
-  }
-  return client.call(*service) ? "" : "the call of " + name + " failed";
+    client_ = newest;
+  };
+  set_client(client);
+  const bool is_answered = !is_closing_ && client.call(*service);
+  set_client({});
+  call_ended_.notify_one();
+  return is_answered ? "" : "the call of " + name + " failed";
 }
 
 std::string LocalizationPanel::callEmpty(const std::string& name) {

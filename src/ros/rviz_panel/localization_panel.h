@@ -6,6 +6,8 @@
 #include <ros/ros.h>
 #include <rviz/panel.h>
 
+#include <atomic>
+#include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -72,9 +74,10 @@ class LocalizationPanel : public rviz::Panel {
   ros::NodeHandle handle_;
   ros::Subscriber status_subscriber_, diagnostics_subscriber_;
 
-  std::mutex client_mutex_;    ///< guards the next two
-  ros::ServiceClient client_;  ///< of the newest call
-  bool is_closing_ = false;
+  std::mutex client_mutex_;    ///< guards the next one
+  ros::ServiceClient client_;  ///< of the call that waits for its answer
+  std::condition_variable call_ended_;
+  std::atomic<bool> is_closing_{false};
   WorkerThread caller_;  ///< last, so that it ends before what it uses
 };
 
