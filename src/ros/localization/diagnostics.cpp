@@ -48,22 +48,25 @@ void addStatus(const LocalizationStatus& status, diagnostic_msgs::DiagnosticStat
   add("odometry disagreement (%)", 100.0 * status.disagreement, message);
 }
 
-/// Each lidar; the keys of several begin with their frames.
+void addLidar(const std::string& prefix, const RegisteredLidar& lidar,
+              const LidarCalibration& calibration, diagnostic_msgs::DiagnosticStatus* message) {
+  add(prefix + "lidar frame", lidar.frame, message);
+  add(prefix + "lidar topic", lidar.topic, message);
+  add(prefix + "lidar scans used", lidar.scans_used, message);
+  add(prefix + "scan direction", scanDirectionName(calibration.scan_reversed), message);
+  add(prefix + "range bias (m)", calibration.range_bias, message);
+}
+
+/// Each lidar of this run; the keys of several begin with their frames.
 void addLidars(const NodeStatus& s, diagnostic_msgs::DiagnosticStatus* message) {
-  const auto scanning =
-      std::count_if(s.lidars.begin(), s.lidars.end(),
-                    [](const RegisteredLidar& lidar) { return !lidar.topic.empty(); });
-  for (std::size_t i = 0; i < std::max<std::size_t>(1, s.lidars.size()); ++i) {
-    const RegisteredLidar lidar = i < s.lidars.size() ? s.lidars[i] : RegisteredLidar{};
-    const LidarCalibration calibration =
-        i < s.sensors.lidars.size() ? s.sensors.lidars[i] : LidarCalibration{};
-    if (lidar.topic.empty() && (scanning > 0 || i > 0)) continue;  // of an earlier run
-    const std::string prefix = scanning > 1 ? lidar.frame + ": " : "";
-    add(prefix + "lidar frame", lidar.frame, message);
-    add(prefix + "lidar topic", lidar.topic, message);
-    add(prefix + "lidar scans used", lidar.scans_used, message);
-    add(prefix + "scan direction", scanDirectionName(calibration.scan_reversed), message);
-    add(prefix + "range bias (m)", calibration.range_bias, message);
+  const auto scans = [](const RegisteredLidar& lidar) { return !lidar.topic.empty(); };
+  const auto scanning = std::count_if(s.lidars.begin(), s.lidars.end(), scans);
+  if (scanning == 0) addLidar("", {}, {}, message);
+  for (std::size_t i = 0; i < s.lidars.size(); ++i) {
+    if (!scans(s.lidars[i])) continue;
+    const bool is_calibrated = i < s.sensors.lidars.size();
+    addLidar(scanning > 1 ? s.lidars[i].frame + ": " : "", s.lidars[i],
+             is_calibrated ? s.sensors.lidars[i] : LidarCalibration{}, message);
   }
   add("silent lidars", s.silent_lidars, message);
 }
