@@ -39,11 +39,7 @@ struct RaceTrack {
 /// The raceline is that of a wall follower's lap from the map's start pose. Throws MapError without
 /// one, and as loadCourse, recordLap and racingPath.
 inline RaceTrack loadRaceTrack(const std::string& map_path, const LocalizerParameters& parameters) {
-  Pose2 start;
-  if (!sim::loadStartPose(map_path, start)) {
-    throw MapError(map_path +
-                   ": the map has no start pose; expected a file *_start.yaml beside it");
-  }
+  const Pose2 start = sim::requireStartPose(map_path);
   RaceTrack track{loadCourse(map_path, parameters), {}};
   track.path = sim::racingPath(track.course.map->grid, sim::recordLap(track.course.world, start),
                                kRacelineClearance);

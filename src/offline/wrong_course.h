@@ -15,12 +15,11 @@ struct WrongCourse {
   sim::WrongMap wrong;
 };
 
-/// `map_fault`: see sim::mapFaults. Throws as loadCourse and makeWrongMap.
+/// `map_fault`: see sim::mapFaults. Throws as loadCourse, requireStartPose and makeWrongMap.
 inline WrongCourse loadWrongCourse(const std::string& map_path, const std::string& map_fault,
                                    const LocalizerParameters& parameters, Random& random) {
   Course course = loadCourse(map_path, parameters);
-  Pose2 start;
-  sim::loadStartPose(map_path, start);
+  const Pose2 start = sim::requireStartPose(map_path);
   sim::WrongMap wrong = sim::makeWrongMap(sim::mapFaults().at(map_fault), course.map->grid,
                                           *course.world, start, random);
   return {std::move(course), start, std::move(wrong)};

@@ -179,4 +179,11 @@ bool loadStartPose(const std::string& map_yaml_path, Pose2& start_in_map) {
   throw MapError(path + ": expected `start: [x, y, yaw]` with three finite numbers (m, m, rad)");
 }
 
+Pose2 requireStartPose(const std::string& map_yaml_path) {
+  Pose2 start;
+  if (loadStartPose(map_yaml_path, start)) return start;
+  throw MapError(map_yaml_path +
+                 ": the map has no start pose; expected a file *_start.yaml beside it");
+}
+
 }  // namespace racecar_mcl::sim

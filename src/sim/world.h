@@ -77,4 +77,7 @@ std::string worldPathFor(const std::string& map_yaml_path);
 /// if there is no such file; throws MapError if it is invalid.
 bool loadStartPose(const std::string& map_yaml_path, Pose2& start_in_map);
 
+/// As loadStartPose; throws MapError if there is no such file.
+Pose2 requireStartPose(const std::string& map_yaml_path);
+
 }  // namespace racecar_mcl::sim
