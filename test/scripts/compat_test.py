@@ -1,8 +1,12 @@
 #!/usr/bin/python3
 """Parameter files of other localizers: compat of localize.launch, and translate_parameters."""
+import importlib.machinery
+import importlib.util
 import re
 import subprocess
 import sys
+import unittest
+from pathlib import Path
 
 import roslib.packages
 import rosunit
@@ -18,6 +22,35 @@ def translate(*arguments):
     program = roslib.packages.find_node("racecar_mcl", "translate_parameters")[0]
     return subprocess.run([program, *map(str, arguments)], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           universal_newlines=True)
+
+
+def checked_compat():
+    loader = importlib.machinery.SourceFileLoader("checked_compat", str(ROOT / "nodes/checked_compat"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+class LaunchFile(unittest.TestCase):
+    """The launch file of a command line, as roslaunch finds it: in a package first."""
+
+    def testIsCheckedIfItIsOneOfThisPackage(self):
+        launched = checked_compat().launched
+        folder, elsewhere = ROOT / "launch", Path("/")
+        command = ["/usr/bin/python3", "/usr/bin/roslaunch"]
+        for words, place, expected in (
+                (["racecar_mcl", "localize.launch", "a:=1"], elsewhere, "localize.launch"),
+                (["racecar_mcl", "localize.launch"], folder, "localize.launch"),
+                (["-p", "11311", str(folder / "localize.launch")], elsewhere, "localize.launch"),
+                (["localize.launch"], folder, "localize.launch"),
+                (["compat/mit_pf.launch"], folder, "mit_pf.launch"),
+                (["localize.launch"], elsewhere, None),
+                (["other_car", "localize.launch"], elsewhere, None),
+                (["other_car", "localize.launch"], folder, None),
+                (["localize.launch", "map.launch"], folder, None),
+                ([], folder, None)):
+            with self.subTest(words=words, place=place):
+                self.assertEqual(launched(command + words, folder, place), expected)
 
 
 class Compat(MasterTest):
@@ -109,4 +142,4 @@ class Compat(MasterTest):
 
 
 if __name__ == "__main__":
-    rosunit.unitrun("racecar_mcl", "compat_test", Compat, sysargs=sys.argv)
+    rosunit.unitrun("racecar_mcl", "compat_test", __name__, sysargs=sys.argv)
