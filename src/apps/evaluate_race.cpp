@@ -54,12 +54,11 @@ void addOptions(Options* o, CLI::App* app) {
 
 void printHeader() {
   std::printf(
-      "| map | limit | grip | opponent | laps | max speed | lateral error on the truth, mean / max "
-      "| lateral error on the estimate, mean / max | error along, mean / max | error across, mean "
-      "/ "
-      "max | localized | of these beyond the protection level | lap time on the truth | lap time "
-      "on "
-      "the estimate | scan at the bounds | collisions |\n"
+      "| map | limit | grip | opponent | laps | max speed "
+      "| lateral error on the truth, mean / max | lateral error on the estimate, mean / max "
+      "| error along, mean / max | error across, mean / max "
+      "| localized | of these beyond the protection level "
+      "| lap time on the truth | lap time on the estimate | scan at the bounds | collisions |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 

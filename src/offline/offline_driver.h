@@ -26,7 +26,8 @@ struct ReplayInput {
   std::string imu_topic = {};                ///< empty: no gyro
   geometry_msgs::Quaternion imu_rotation;    ///< of the IMU in the base frame
   std::optional<TfFrames> odometry_from_tf;  ///< instead of from the topic
-  /// Of the lidar with a frame. Throws std::runtime_error if they are unknown.
+  /// Of the lidar with a frame; called for each scan. Throws std::runtime_error if they are
+  /// unknown, and is then not called again for the frame.
   std::function<LidarExtrinsics(const std::string& frame)> extrinsics_of;
   std::optional<TimedStart> start;  ///< empty if the localizer is already initialized
 };
