@@ -30,15 +30,12 @@ check_files() {
 }
 
 # The libraries and programs in src/ with the headers they include. The static analyzer takes half a minute for a
-# file that includes ROS and as long as all other checks elsewhere, so only the localizer itself gets it. Elsewhere
-# five more checks are left out, which took a fifth of the time.
+# file that includes ROS and as long as all other checks elsewhere, so only the localizer itself gets it.
 check_tidy() {
-  local slow='-clang-analyzer-*,-bugprone-suspicious-semicolon,-bugprone-undelegated-constructor'
-  slow+=',-bugprone-unused-raii,-misc-unused-using-decls,-performance-move-const-arg'
   configure_in build -DCMAKE_EXPORT_COMPILE_COMMANDS=ON || return 1
   local failed=0
   tidy '' src/core src/map_io || failed=1
-  tidy "$slow" src/apps src/calibration src/evaluation src/map_changes src/offline src/ros src/sim || failed=1
+  tidy '-clang-analyzer-*' src/apps src/calibration src/evaluation src/map_changes src/offline src/ros src/sim || failed=1
   return $failed
 }
 
