@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "racecar_mcl/common/random.h"
+#include "racecar_mcl/map/cell_runs.h"
 
 namespace racecar_mcl::bench {
 
@@ -15,7 +16,7 @@ void Poses::add(const Pose2& pose) {
 
 Poses scatteredPoses(const OccupancyGrid& grid, int count, std::uint64_t seed) {
   Random random(seed);
-  const std::vector<Cell> cells = freeCells(grid);
+  const CellRuns cells = freeCells(grid);
   Poses poses;
   for (int i = 0; i < count; ++i) {
     const Cell cell = cells[random.index(cells.size())];
@@ -39,7 +40,7 @@ Poses cloud(const Pose2& centre, int count, double sigma, double sigma_yaw, std:
 
 Pose2 roomyPose(const OccupancyGrid& grid, std::uint64_t seed) {
   Random random(seed);
-  const std::vector<Cell> cells = freeCells(grid);
+  const CellRuns cells = freeCells(grid);
   const int room = static_cast<int>(std::ceil(0.5 / grid.geometry().resolution));
   while (true) {
     const Cell cell = cells[random.index(cells.size())];

@@ -15,8 +15,8 @@ fail() {
 
 # The apt packages, one list per distribution.
 wanted_packages() {
-  echo build-essential cmake libeigen3-dev libgtest-dev libopencv-dev libyaml-cpp-dev nlohmann-json3-dev \
-    python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-setuptools python3-tqdm python3-yaml \
+  echo build-essential cmake libeigen3-dev libgtest-dev libopencv-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev \
+    pkg-config python3-jinja2 python3-matplotlib python3-numpy python3-opencv python3-setuptools python3-tqdm python3-yaml \
     qtbase5-dev
   # Not packaged for Ubuntu 20.04; CMake fetches it there.
   grep -q '^VERSION_CODENAME=focal' /etc/os-release || echo libcli11-dev

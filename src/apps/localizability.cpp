@@ -65,7 +65,7 @@ std::vector<Place> evaluate(const Options& o, const LocalizerParameters& paramet
     bearings[k] = static_cast<float>(2.0 * kPi * (k + 0.5) / beams - kPi);
   const LikelihoodField& field = map.likelihood_field ? *map.likelihood_field : map.matcher.field();
   std::vector<Place> places;
-  for (const Cell& cell : map.free_cells) {
+  for (const Cell& cell : map.free_cells.cells()) {
     if (cell.column % step != step / 2 || cell.row % step != step / 2) continue;
     const Eigen::Vector2d point = cellCentre(map.grid.geometry(), cell);
     const Eigen::Matrix3d information =

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "racecar_mcl/map/cell_runs.h"
 #include "sim/random_placement.h"
 #include "sim/wall_surfaces.h"
 
@@ -208,7 +209,7 @@ OccupancyGrid eraseWing(const OccupancyGrid& map, double fraction, Random& rando
     return cell.column * std::cos(yaw) + cell.row * std::sin(yaw);
   };
   std::vector<double> places;
-  for (const Cell& cell : freeCells(map)) places.push_back(along(cell));
+  for (const Cell& cell : freeCells(map).cells()) places.push_back(along(cell));
   if (places.empty()) return map;
   std::sort(places.begin(), places.end());
   const auto kept = static_cast<std::size_t>((1.0 - fraction) * static_cast<double>(places.size()));

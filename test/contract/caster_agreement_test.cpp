@@ -6,6 +6,7 @@
 
 #include "caster_contract.h"
 #include "caster_reference.h"
+#include "racecar_mcl/map/cell_runs.h"
 
 namespace racecar_mcl {
 namespace {
@@ -62,7 +63,7 @@ TEST_P(CasterAgreement, AgreesWithTheReferenceInAFloorPlan) {
   const auto reference = makeRangeCaster(grid, exact);
   const auto caster = makeCaster(grid, exact.max_range);
   const Eigen::ArrayXf bearings = fan(100);
-  const std::vector<Cell> free_cells = freeCells(grid);
+  const CellRuns free_cells = freeCells(grid);
   Random random(11);
   std::vector<Pose2> poses;
   for (int i = 0; i < 400; ++i) {

@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <limits>
-#include <opencv2/core/utility.hpp>
 #include <string>
 
 #include "racecar_mcl/filter/particle_filter.h"
@@ -17,7 +16,7 @@
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RACECAR_MCL_COUNTS_ALLOCATIONS 1
 namespace {
-// Per thread: TBB allocates in OpenCV's worker threads at any time.
+// Per thread: oneTBB allocates in its worker threads at any time.
 thread_local int allocations = 0;
 }  // namespace
 
@@ -112,13 +111,6 @@ class AllocationTest : public testing::Test {
   std::size_t most_places_ = 0;  ///< where particles were at once
 };
 
-bool openCvRunsOnTbb() {
-  const std::string build = cv::getBuildInformation();
-  const std::size_t line = build.find("Parallel framework:");
-  return line != std::string::npos &&
-         build.substr(line, build.find('\n', line) - line).find("TBB") != std::string::npos;
-}
-
 struct Engine {
   std::string model;
   int threads;
@@ -128,9 +120,6 @@ class AllocationWith : public AllocationTest, public testing::WithParamInterface
 
 // With two threads, only the allocations of the calling thread are counted.
 TEST_P(AllocationWith, AnUpdateAllocatesNothing) {
-  if (GetParam().threads > 1 && !openCvRunsOnTbb()) {
-    GTEST_SKIP() << "OpenCV's own threads allocate whenever they are given a job";
-  }
   useModel(GetParam().model);
   parameters_.num_threads = GetParam().threads;
   expectNoneAfterTheFirst();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "racecar_mcl/map/cell_runs.h"
 #include "racecar_mcl/map/occupancy_grid.h"
 #include "racecar_mcl/map/surfaces.h"
 #include "racecar_mcl/raycasting/range_caster.h"
@@ -38,7 +39,7 @@ struct LocalizationMap {
   std::unique_ptr<const RangeCaster> caster;        ///< exact, for single beams and visualization
   std::optional<LikelihoodField> likelihood_field;  ///< set if the sensor model uses it
   GlobalScanMatcher matcher;
-  std::vector<Cell> free_cells;
+  CellRuns free_cells;
 
   MapView view() const { return {grid, *caster, matcher.field()}; }
 };

@@ -114,7 +114,4 @@ std::vector<std::uint8_t> obstacleMask(const OccupancyGrid& grid, UnknownIs unkn
 /// Whether any cell is an obstacle.
 bool hasObstacle(const OccupancyGrid& grid);
 
-/// All free cells, row by row; may be empty.
-std::vector<Cell> freeCells(const OccupancyGrid& grid);
-
 }  // namespace racecar_mcl

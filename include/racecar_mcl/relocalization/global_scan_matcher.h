@@ -8,7 +8,9 @@
 
 #include "racecar_mcl/common/random.h"
 #include "racecar_mcl/geometry/particle_set.h"
+#include "racecar_mcl/map/cell_runs.h"
 #include "racecar_mcl/map/occupancy_grid.h"
+#include "racecar_mcl/map/surfaces.h"
 #include "racecar_mcl/scan/scan.h"
 #include "racecar_mcl/sensor/likelihood_field.h"
 
@@ -40,7 +42,7 @@ class GlobalScanMatcher {
  public:
   GlobalScanMatcher(const OccupancyGrid& grid, const GlobalScanMatcherParameters& parameters);
   /// The same, with the results of freeCells and findSurfaces for the grid.
-  GlobalScanMatcher(const GridGeometry& geometry, const std::vector<Cell>& free_cells,
+  GlobalScanMatcher(const GridGeometry& geometry, const CellRuns& free_cells,
                     const Surfaces& surfaces, const GlobalScanMatcherParameters& parameters);
 
   /// `count` poses of the car (base in map), with equal weights, drawn from the likelihood of the
@@ -59,14 +61,8 @@ class GlobalScanMatcher {
   std::size_t memoryBytes() const;
 
  private:
-  /// Consecutive cells of one row of the lattice with free space.
-  struct Run {
-    Cell first;
-    int count;
-  };
-
-  void buildLattice(const std::vector<Cell>& free_cells);
-  void buildCoarseField(const std::vector<float>& surface_distances);
+  void buildLattice(const CellRuns& free_cells);
+  void buildCoarseField(const Surfaces& surfaces);
   std::vector<std::ptrdiff_t> endPointOffsets(const Scan& beams, double yaw_in_grid) const;
   Eigen::ArrayXf coarseScores(const Scan& beams) const;
   ParticleSet bestPoses(const Eigen::ArrayXf& scores) const;
@@ -89,8 +85,7 @@ class GlobalScanMatcher {
   int margin_ = 0;                   ///< lattice cells around the map in the coarse field
   int padded_width_ = 0;             ///< of the coarse field, cells
   std::vector<float> coarse_field_;  ///< row by row, one value per lattice cell, margins included
-  std::vector<Run> runs_;
-  std::vector<Cell> positions_;  ///< in the order of the runs
+  CellRuns positions_;               ///< cells of the lattice with free space
 };
 
 }  // namespace racecar_mcl

@@ -34,7 +34,8 @@ void validate(const LikelihoodFieldParameters& parameters);
 /// since the true surface may be anywhere inside. Values are stored per cell, in 255 steps between
 /// log(z_rand) and 0, and interpolated bilinearly between cell centres. The tails are those of a
 /// Cauchy distribution instead of a Gaussian: map errors are larger than the lidar's noise. A beam
-/// that ends outside the map by more than four field_scale has the likelihood z_rand.
+/// that ends outside the map by more than four field_scale has the likelihood z_rand. Only the
+/// surroundings of surfaces are stored.
 class LikelihoodField {
  public:
   LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);
@@ -64,7 +65,7 @@ class LikelihoodField {
 
  private:
   LikelihoodFieldParameters parameters_;
-  GridGeometry geometry_;  ///< of the field: the map with a margin
+  GridGeometry geometry_;  ///< of the field: the surroundings of surfaces
   float max_range_;
   float exponent_;
   float log_rand_;

@@ -59,7 +59,7 @@ std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
 std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
                                                            const Surfaces& surfaces,
                                                            const SensorParameters& sensor) {
-  std::vector<Cell> free_cells = freeCells(grid);
+  CellRuns free_cells = freeCells(grid);
   const std::string size = "the map of " + std::to_string(grid.geometry().width) + " x " +
                            std::to_string(grid.geometry().height) + " cells ";
   if (free_cells.empty()) throw MapError(size + "has no free cell: no pose on it is possible");
@@ -97,7 +97,7 @@ ParticleSet sampleFreeSpace(const LocalizationMap& map, Eigen::Index count, Rand
   ParticleSet particles;
   particles.resize(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Cell& cell = map.free_cells[random.index(map.free_cells.size())];
+    const Cell cell = map.free_cells[random.index(map.free_cells.size())];
     const double across = random.uniform();
     const double up = random.uniform();
     const Eigen::Vector2d point =

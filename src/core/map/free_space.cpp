@@ -1,42 +1,34 @@
 #include "map/free_space.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 
+#include "map/distance_transform.h"
 #include "racecar_mcl/map/map_summary.h"
 
 namespace racecar_mcl {
 namespace {
 
 constexpr double kCarSpace = 0.5;  // m, side of a square of free space that a car fits into
-// Maximum of half its side, in cells: limits the time on maps with cells below 5 mm.
-constexpr double kMaxHalfSquare = 50.0;
 
 }  // namespace
 
 FreeSpace findFreeSpace(const OccupancyGrid& grid) {
   const GridGeometry& geometry = grid.geometry();
   const std::size_t size = grid.cells().size();
-  FreeSpace space{std::vector<std::uint8_t>(size), std::vector<std::uint8_t>(size),
-                  std::vector<std::uint8_t>(size)};
+  FreeSpace space{std::vector<std::uint8_t>(size), {}, {}};
   std::transform(
       grid.cells().begin(), grid.cells().end(), space.free.begin(),
       [](std::int8_t value) { return value >= 0 && value < OccupancyGrid::kObstacleFrom ? 1 : 0; });
-  const auto asImage = [&](std::vector<std::uint8_t>* mask) {
-    return cv::Mat(geometry.height, geometry.width, CV_8U, mask->data());
+  const auto dilate = [&](const std::vector<std::uint8_t>& mask, int half) {
+    return dilated(mask, geometry.width, geometry.height, half);
   };
-  const auto square = [](int side) {
-    return cv::getStructuringElement(cv::MORPH_RECT, {side, side});
-  };
-  const cv::Mat closed = asImage(&space.without_specks);
-  cv::morphologyEx(asImage(&space.free), closed, cv::MORPH_CLOSE, square(3));
+  // Closing by 3 x 3 cells: an erosion is the dilation of the complement.
+  space.without_specks = complement(dilate(complement(dilate(space.free, 1)), 1));
   for (std::size_t i = 0; i < size; ++i) {
     if (grid.cells()[i] >= 0) space.without_specks[i] = space.free[i];
   }
-  // An odd number of cells, since the square has a central cell.
-  const double half = std::min(0.5 * kCarSpace / geometry.resolution, kMaxHalfSquare);
-  cv::morphologyEx(closed, asImage(&space.roomy), cv::MORPH_OPEN,
-                   square(2 * static_cast<int>(half) + 1));
+  const int half = static_cast<int>(0.5 * kCarSpace / geometry.resolution);
+  space.roomy = dilate(complement(dilate(complement(space.without_specks), half)), half);
   return space;
 }
 

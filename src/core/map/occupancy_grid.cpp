@@ -82,14 +82,4 @@ bool hasObstacle(const OccupancyGrid& grid) {
                      [](std::int8_t value) { return value >= OccupancyGrid::kObstacleFrom; });
 }
 
-std::vector<Cell> freeCells(const OccupancyGrid& grid) {
-  std::vector<Cell> cells;
-  for (int row = 0; row < grid.geometry().height; ++row) {
-    for (int column = 0; column < grid.geometry().width; ++column) {
-      if (grid.isFree({column, row})) cells.push_back({column, row});
-    }
-  }
-  return cells;
-}
-
 }  // namespace racecar_mcl

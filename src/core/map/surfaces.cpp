@@ -1,9 +1,10 @@
 #include "racecar_mcl/map/surfaces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
-#include "racecar_mcl/map/distance_field.h"
+#include "map/distance_transform.h"
 
 namespace racecar_mcl {
 namespace {
@@ -37,52 +38,59 @@ std::vector<std::uint8_t> visibleObstacles(const OccupancyGrid& grid,
   return none ? obstacles : visible;
 }
 
-/// The obstacle cells of walls with at least this thickness (m): those near a cell whose depth is
-/// half the thickness. `depth`: distance of each obstacle cell from the nearest other cell, in
-/// cells.
-std::vector<std::uint8_t> thickerThan(double thickness, const std::vector<std::uint8_t>& obstacles,
-                                      const std::vector<float>& depth,
-                                      const GridGeometry& geometry) {
-  const auto half = static_cast<float>(0.5 * thickness / geometry.resolution);  // cells
-  const std::size_t size = obstacles.size();
-  std::vector<std::uint8_t> cores(size);
-  for (std::size_t i = 0; i < size; ++i) cores[i] = obstacles[i] != 0 && depth[i] >= half ? 1 : 0;
-  const std::vector<float> to_core = obstacleDistances(cores, geometry.width, geometry.height);
-  std::vector<std::uint8_t> thick(size);
-  for (std::size_t i = 0; i < size; ++i) {
-    thick[i] = obstacles[i] != 0 && to_core[i] < kCoreDistance * half ? 1 : 0;
-  }
-  return thick;
+/// Half of a thickness, in cells.
+float halfInCells(double thickness, const GridGeometry& geometry) {
+  return static_cast<float>(0.5 * thickness / geometry.resolution);
 }
 
-/// The distance of each obstacle cell from the nearest other cell, in cells. Outside the grid all
-/// cells count as obstacles if `continue_outside`, as none otherwise.
-std::vector<float> depths(const std::vector<std::uint8_t>& obstacles, const GridGeometry& geometry,
-                          bool continue_outside) {
-  const int margin = continue_outside ? 0 : 1;
-  const int width = geometry.width + 2 * margin;
-  const int height = geometry.height + 2 * margin;
-  std::vector<std::uint8_t> open(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                                 1);
-  const auto at = [&](int column, int row) {
-    return static_cast<std::size_t>(row + margin) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(column + margin);
+/// Cells in the middle of walls: those at least half the minimum thickness from the nearest cell
+/// that is no obstacle.
+struct Cores {
+  std::vector<std::uint8_t> blurred, filled;
+};
+
+Cores findCores(const std::vector<std::uint8_t>& obstacles, const GridGeometry& geometry) {
+  Cores cores{std::vector<std::uint8_t>(obstacles.size()),
+              std::vector<std::uint8_t>(obstacles.size())};
+  const float half_blurred = halfInCells(kMinBlurredThickness, geometry);
+  const float half_filled = halfInCells(kMinFilledThickness, geometry);
+  const auto findInRow = [&](int row, const std::uint32_t* squared) {
+    const std::size_t first = CellIndex(geometry)({0, row});
+    for (int column = 0; column < geometry.width; ++column) {
+      const std::size_t i = first + static_cast<std::size_t>(column);
+      if (obstacles[i] == 0) continue;
+      // A wall at the edge of the image has the thickness drawn, but filled areas continue outside.
+      const float depth = std::sqrt(static_cast<float>(squared[column]));
+      const int to_edge =
+          1 + std::min({column, row, geometry.width - 1 - column, geometry.height - 1 - row});
+      cores.blurred[i] = std::min(depth, static_cast<float>(to_edge)) >= half_blurred ? 1 : 0;
+      cores.filled[i] = depth >= half_filled ? 1 : 0;
+    }
   };
-  std::size_t i = 0;
-  for (int row = 0; row < geometry.height; ++row) {
+  DistanceTransform(complement(obstacles), geometry.width, geometry.height, wholeCells(half_filled))
+      .forEachRow(findInRow);
+  return cores;
+}
+
+/// The obstacle cells of the walls with these cores: those within kCoreDistance half thicknesses of
+/// one.
+std::vector<std::uint8_t> wallsOf(const std::vector<std::uint8_t>& cores, double thickness,
+                                  const std::vector<std::uint8_t>& obstacles,
+                                  const GridGeometry& geometry) {
+  std::vector<std::uint8_t> walls(obstacles.size());
+  if (std::find(cores.begin(), cores.end(), 1) == cores.end()) return walls;
+  const float reach = kCoreDistance * halfInCells(thickness, geometry);
+  const auto findInRow = [&](int row, const std::uint32_t* squared) {
+    const std::size_t first = CellIndex(geometry)({0, row});
     for (int column = 0; column < geometry.width; ++column) {
-      open[at(column, row)] = obstacles[i++] == 0 ? 1 : 0;
+      const std::size_t i = first + static_cast<std::size_t>(column);
+      const bool is_near = std::sqrt(static_cast<float>(squared[column])) < reach;
+      walls[i] = obstacles[i] != 0 && is_near ? 1 : 0;
     }
-  }
-  const std::vector<float> padded = obstacleDistances(open, width, height);
-  std::vector<float> depth;
-  depth.reserve(obstacles.size());
-  for (int row = 0; row < geometry.height; ++row) {
-    for (int column = 0; column < geometry.width; ++column) {
-      depth.push_back(padded[at(column, row)]);
-    }
-  }
-  return depth;
+  };
+  DistanceTransform(cores, geometry.width, geometry.height, wholeCells(reach))
+      .forEachRow(findInRow);
+  return walls;
 }
 
 }  // namespace
@@ -90,12 +98,11 @@ std::vector<float> depths(const std::vector<std::uint8_t>& obstacles, const Grid
 Surfaces findSurfaces(const OccupancyGrid& grid) {
   const GridGeometry& geometry = grid.geometry();
   const std::vector<std::uint8_t> obstacles = obstacleMask(grid, UnknownIs::kFree);
-  Surfaces surfaces{visibleObstacles(grid, obstacles), {}};
-  // A wall at the edge of the image has the thickness drawn, but filled areas continue outside.
-  surfaces.blurred =
-      thickerThan(kMinBlurredThickness, obstacles, depths(obstacles, geometry, false), geometry);
+  const Cores cores = findCores(obstacles, geometry);
+  Surfaces surfaces{visibleObstacles(grid, obstacles),
+                    wallsOf(cores.blurred, kMinBlurredThickness, obstacles, geometry)};
   const std::vector<std::uint8_t> filled =
-      thickerThan(kMinFilledThickness, obstacles, depths(obstacles, geometry, true), geometry);
+      wallsOf(cores.filled, kMinFilledThickness, obstacles, geometry);
   for (std::size_t i = 0; i < filled.size(); ++i) {
     if (filled[i] != 0) surfaces.blurred[i] = 0;
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "racecar_mcl/map/distance_field.h"
+#include "map/distance_transform.h"
 
 namespace racecar_mcl {
 namespace {
@@ -33,22 +33,32 @@ struct Axis {
   double to_entry;  ///< from the cell's lower border to the border where the ray enters
 };
 
+/// Clearances are distances to the dilated obstacles (distance_field.h).
+std::vector<std::uint8_t> dilatedObstacles(std::vector<std::uint8_t> kinds, int width, int height) {
+  for (std::uint8_t& kind : kinds) kind = kind != kPass ? 1 : 0;
+  return dilated(kinds, width, height, 1);
+}
+
 }  // namespace
 
 ClearanceField::ClearanceField(const OccupancyGrid& grid, UnknownIs unknown_is)
     : cells_(cellKinds(grid, unknown_is)) {
-  std::vector<std::uint8_t> obstacles(cells_.size());
-  std::transform(cells_.begin(), cells_.end(), obstacles.begin(),
-                 [](std::uint8_t kind) { return kind != kPass; });
-  const std::vector<float> field =
-      clearances(obstacles, grid.geometry().width + 2, grid.geometry().height + 2);
-  std::transform(field.begin(), field.end(), cells_.begin(), cells_.begin(),
-                 [](float clearance, std::uint8_t kind) {
-                   return kind == kObstacle  ? kHit
-                          : kind == kOutside ? kMiss
-                                             : static_cast<std::uint8_t>(std::min(
-                                                   clearance, static_cast<float>(kMaxClearance)));
-                 });
+  const int width = grid.geometry().width + 2;
+  const int height = grid.geometry().height + 2;
+  const DistanceTransform distances(dilatedObstacles(cells_, width, height), width, height,
+                                    kMaxClearance + 1);
+  distances.forEachRow([&](int row, const std::uint32_t* squared) {
+    std::uint8_t* const cells = cells_.data() + static_cast<std::ptrdiff_t>(row) * width;
+    for (int column = 0; column < width; ++column) {
+      const float clearance = std::sqrt(static_cast<float>(squared[column]));
+      const std::uint8_t kind = cells[column];
+      cells[column] =
+          kind == kObstacle ? kHit
+          : kind == kOutside
+              ? kMiss
+              : static_cast<std::uint8_t>(std::min(clearance, static_cast<float>(kMaxClearance)));
+    }
+  });
 }
 
 double marchRay(const PaddedGrid& grid, const ClearanceField& field, const RayInCells& ray,

@@ -71,7 +71,7 @@ Eigen::ArrayXf GlobalScanMatcher::coarseScores(const Scan& beams) const {
   for (long direction = 0; direction < directions_; ++direction) {
     const std::vector<std::ptrdiff_t> offsets = endPointOffsets(selected, yawOf(direction));
     compared = offsets.size();
-    for (const Run& run : runs_) {
+    for (const CellRuns::Run& run : positions_.runs()) {
       const float* first = &coarse_field_[coarseIndex(run.first)];
       for (const std::ptrdiff_t offset : offsets) {
         const float* values = first + offset;
@@ -97,7 +97,7 @@ ParticleSet GlobalScanMatcher::bestPoses(const Eigen::ArrayXf& scores) const {
   for (std::size_t i = 0; i < poses(); ++i) {
     const float score = scores[static_cast<Eigen::Index>(i)];
     if (!(score >= lowest) || seen++ % every != 0) continue;
-    const Cell& cell = positions_[i % positions_.size()];
+    const Cell cell = positions_[i % positions_.size()];
     const Eigen::Vector2d point =
         gridToWorld(map_, {(cell.column + 0.5) * stride_, (cell.row + 0.5) * stride_});
     const double yaw = yawOf(static_cast<long>(i / positions_.size())) + map_.origin.yaw;

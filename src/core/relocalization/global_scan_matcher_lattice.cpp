@@ -3,8 +3,8 @@
 #include <cmath>
 #include <functional>
 
+#include "map/distance_transform.h"
 #include "racecar_mcl/common/validation.h"
-#include "racecar_mcl/map/distance_field.h"
 #include "racecar_mcl/relocalization/global_scan_matcher.h"
 
 namespace racecar_mcl {
@@ -38,21 +38,18 @@ GlobalScanMatcher::GlobalScanMatcher(const OccupancyGrid& grid,
                                      const GlobalScanMatcherParameters& parameters)
     : GlobalScanMatcher(grid.geometry(), freeCells(grid), findSurfaces(grid), parameters) {}
 
-GlobalScanMatcher::GlobalScanMatcher(const GridGeometry& geometry,
-                                     const std::vector<Cell>& free_cells, const Surfaces& surfaces,
+GlobalScanMatcher::GlobalScanMatcher(const GridGeometry& geometry, const CellRuns& free_cells,
+                                     const Surfaces& surfaces,
                                      const GlobalScanMatcherParameters& parameters)
     : parameters_((validate(parameters), parameters)),
       field_(geometry, surfaces, coarseFieldParameters(parameters)),
       map_(geometry),
       directions_(std::max(1L, std::lround(2.0 * kPi / parameters.search_yaw_spacing))) {
   buildLattice(free_cells);
-  std::vector<std::uint8_t> occupied(surfaces.visible.size());
-  std::transform(surfaces.visible.begin(), surfaces.visible.end(), surfaces.blurred.begin(),
-                 occupied.begin(), std::bit_or<std::uint8_t>());
-  buildCoarseField(obstacleDistances(occupied, map_.width, map_.height));
+  buildCoarseField(surfaces);
 }
 
-void GlobalScanMatcher::buildLattice(const std::vector<Cell>& free_cells) {
+void GlobalScanMatcher::buildLattice(const CellRuns& free_cells) {
   std::vector<char> free;
   stride_ =
       std::max(1, static_cast<int>(std::lround(parameters_.search_spacing / map_.resolution)));
@@ -60,9 +57,10 @@ void GlobalScanMatcher::buildLattice(const std::vector<Cell>& free_cells) {
     width_ = (map_.width + stride_ - 1) / stride_;
     height_ = (map_.height + stride_ - 1) / stride_;
     free.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0);
-    for (const Cell& cell : free_cells) {
-      free[static_cast<std::size_t>(cell.row / stride_) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(cell.column / stride_)] = 1;
+    for (const CellRuns::Run& run : free_cells.runs()) {
+      char* const row = free.data() + static_cast<std::ptrdiff_t>(run.first.row / stride_) * width_;
+      const int last = run.first.column + run.count - 1;
+      std::fill(row + run.first.column / stride_, row + last / stride_ + 1, 1);
     }
     const auto positions = std::count(free.begin(), free.end(), 1);
     if (positions * directions_ <= parameters_.search_poses || positions <= 1) break;
@@ -70,18 +68,14 @@ void GlobalScanMatcher::buildLattice(const std::vector<Cell>& free_cells) {
   for (int row = 0; row < height_; ++row) {
     for (int column = 0; column < width_; ++column) {
       if (free[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
-               static_cast<std::size_t>(column)] == 0) {
-        continue;
+               static_cast<std::size_t>(column)] != 0) {
+        positions_.add({column, row});
       }
-      const bool continues = !positions_.empty() && positions_.back() == Cell{column - 1, row};
-      if (!continues) runs_.push_back({{column, row}, 0});
-      ++runs_.back().count;
-      positions_.push_back({column, row});
     }
   }
 }
 
-void GlobalScanMatcher::buildCoarseField(const std::vector<float>& surface_distances) {
+void GlobalScanMatcher::buildCoarseField(const Surfaces& surfaces) {
   // End points are clamped to the margin, where the field is constant: at most the size of the map.
   margin_ = static_cast<int>(std::min(std::ceil(parameters_.search_max_range / spacing()) + 1.0,
                                       static_cast<double>(std::max(width_, height_))));
@@ -89,23 +83,29 @@ void GlobalScanMatcher::buildCoarseField(const std::vector<float>& surface_dista
   const auto size =
       static_cast<std::size_t>(padded_width_) * static_cast<std::size_t>(height_ + 2 * margin_);
   coarse_field_.assign(size, static_cast<float>(std::log(kCoarseRandRatio)));
-  for (int row = 0; row < height_; ++row) {
+  std::vector<std::uint8_t> occupied(surfaces.visible.size());
+  std::transform(surfaces.visible.begin(), surfaces.visible.end(), surfaces.blurred.begin(),
+                 occupied.begin(), std::bit_or<std::uint8_t>());
+  const auto middleOf = [this](int lattice, int map_size) {
+    return std::min(lattice * stride_ + stride_ / 2, map_size - 1);
+  };
+  std::vector<int> rows;
+  for (int row = 0; row < height_; ++row) rows.push_back(middleOf(row, map_.height));
+  const auto fillRow = [&](int map_row, const std::uint32_t* squared) {
+    float* const values = &coarse_field_[coarseIndex({0, map_row / stride_})];
     for (int column = 0; column < width_; ++column) {
-      const int map_column = std::min(column * stride_ + stride_ / 2, map_.width - 1);
-      const int map_row = std::min(row * stride_ + stride_ / 2, map_.height - 1);
-      const float cells = surface_distances[static_cast<std::size_t>(map_row) *
-                                                static_cast<std::size_t>(map_.width) +
-                                            static_cast<std::size_t>(map_column)];
-      const double spacings = static_cast<double>(cells) / stride_;
-      coarse_field_[coarseIndex({column, row})] = static_cast<float>(
+      const std::uint32_t cells = squared[middleOf(column, map_.width)];
+      if (cells == DistanceTransform::kFar) continue;
+      const double spacings = static_cast<double>(std::sqrt(static_cast<float>(cells))) / stride_;
+      values[column] = static_cast<float>(
           std::log((1.0 - kCoarseRandRatio) / (1.0 + spacings * spacings) + kCoarseRandRatio));
     }
-  }
+  };
+  DistanceTransform(occupied, map_.width, map_.height).forRows(rows, fillRow);
 }
 
 std::size_t GlobalScanMatcher::memoryBytes() const {
-  return field_.memoryBytes() + coarse_field_.size() * sizeof(float) + runs_.size() * sizeof(Run) +
-         positions_.size() * sizeof(Cell);
+  return field_.memoryBytes() + coarse_field_.size() * sizeof(float) + positions_.memoryBytes();
 }
 
 }  // namespace racecar_mcl

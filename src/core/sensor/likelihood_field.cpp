@@ -1,10 +1,11 @@
 #include "racecar_mcl/sensor/likelihood_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "map/distance_transform.h"
 #include "racecar_mcl/common/validation.h"
-#include "racecar_mcl/map/distance_field.h"
 
 namespace racecar_mcl {
 namespace {
@@ -15,23 +16,52 @@ constexpr double kMaxMargin = 200.0;   // cells
 // Cells at the edge of the field that have the value of the outside; the second one is the right or
 // upper neighbour of the first.
 constexpr int kEdge = 2;
-constexpr double kSteps = 255.0;  // of the stored values
+constexpr int kSteps = 255;  // of the stored values
 
-/// A mask with a margin of zeros, row by row.
-std::vector<std::uint8_t> withMargin(const std::vector<std::uint8_t>& mask,
-                                     const GridGeometry& geometry, int margin) {
-  const auto width = static_cast<std::size_t>(geometry.width);
-  const std::size_t padded_width = width + 2 * static_cast<std::size_t>(margin);
-  std::vector<std::uint8_t> padded(
-      padded_width * static_cast<std::size_t>(geometry.height + 2 * margin), 0);
-  for (int row = 0; row < geometry.height; ++row) {
-    std::copy_n(
-        mask.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * width), width,
-        padded.begin() +
-            static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row + margin) * padded_width) +
-            margin);
+/// Columns and rows of a map, also outside of it: [left, right) x [bottom, top).
+struct Window {
+  int left, bottom, right, top;
+
+  int width() const { return right - left; }
+  int height() const { return top - bottom; }
+};
+
+/// The cells of the map, with `margin` cells around it, that are at most `reach` cells from the
+/// columns and rows of cells that are set.
+Window windowAround(const std::vector<std::uint8_t>& mask, const GridGeometry& geometry, int margin,
+                    int reach) {
+  Window set{geometry.width, geometry.height, 0, 0};
+  const std::uint8_t* row_begin = mask.data();
+  for (int row = 0; row < geometry.height; ++row, row_begin += geometry.width) {
+    const std::uint8_t* const row_end = row_begin + geometry.width;
+    const std::uint8_t* const first = std::find(row_begin, row_end, 1);
+    if (first == row_end) continue;
+    const std::uint8_t* last = row_end - 1;
+    while (*last == 0) --last;
+    set.left = std::min(set.left, static_cast<int>(first - row_begin));
+    set.right = std::max(set.right, static_cast<int>(last - row_begin) + 1);
+    set.bottom = std::min(set.bottom, row);
+    set.top = row + 1;
   }
-  return padded;
+  if (set.top == 0) set = {0, 0, 1, 1};
+  return {std::max(set.left - reach, -margin), std::max(set.bottom - reach, -margin),
+          std::min(set.right + reach, geometry.width + margin),
+          std::min(set.top + reach, geometry.height + margin)};
+}
+
+/// The part of a mask in a window, zeros outside of the map, row by row.
+std::vector<std::uint8_t> cut(const std::vector<std::uint8_t>& mask, const GridGeometry& geometry,
+                              const Window& window) {
+  std::vector<std::uint8_t> part(static_cast<std::size_t>(window.width()) *
+                                 static_cast<std::size_t>(window.height()));
+  const int left = std::max(window.left, 0);
+  const int count = std::min(window.right, geometry.width) - left;
+  for (int row = std::max(window.bottom, 0); row < std::min(window.top, geometry.height); ++row) {
+    const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(row - window.bottom) * window.width();
+    std::copy_n(mask.begin() + static_cast<std::ptrdiff_t>(CellIndex(geometry)({left, row})), count,
+                part.begin() + to + (left - window.left));
+  }
+  return part;
 }
 
 }  // namespace
@@ -56,34 +86,43 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
       exponent_(static_cast<float>(parameters.likelihood_exponent)),
       log_rand_(static_cast<float>(std::log(parameters.z_rand))),
       log_step_(static_cast<float>(-std::log(parameters.z_rand) / kSteps)) {
-  const double cells_per_scale = parameters.field_scale / geometry_.resolution;
-  const int margin =
-      kEdge + static_cast<int>(std::ceil(std::min(kMarginScales * cells_per_scale, kMaxMargin)));
-  const double shift = -margin * geometry_.resolution;
-  geometry_.origin = compose(geometry_.origin, {shift, shift, 0.0});
-  geometry_.width += 2 * margin;
-  geometry_.height += 2 * margin;
-  const std::vector<float> distances = obstacleDistances(
-      withMargin(surfaces.visible, geometry, margin), geometry_.width, geometry_.height);
-  const std::vector<std::uint8_t> blurred = withMargin(surfaces.blurred, geometry, margin);
-  cells_.assign(distances.size(), 0);
+  // Squared distances, in cells, up to which a value is at least so many steps above the outside.
+  std::array<double, kSteps + 1> limits;
   const double log_rand = std::log(parameters.z_rand);
-  // Beyond it the values round to that of the outside.
-  const double reach = distanceOf(log_rand + 0.5 * static_cast<double>(log_step_));
-  const auto width = static_cast<std::size_t>(geometry_.width);
-  for (int row = kEdge; row < geometry_.height - kEdge; ++row) {
-    for (int column = kEdge; column < geometry_.width - kEdge; ++column) {
-      const std::size_t cell =
-          static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column);
+  for (int steps = 0; steps <= kSteps; ++steps) {
+    const double value = log_rand + (steps - 0.5) * static_cast<double>(log_step_);
+    const double cells = distanceOf(value) / geometry.resolution;
+    limits[static_cast<std::size_t>(steps)] = cells * cells;
+  }
+  const int reach = wholeCells(std::sqrt(limits[1]));
+  const int margin = wholeCells(
+      std::min(kMarginScales * parameters.field_scale / geometry.resolution, kMaxMargin));
+  const Window window = windowAround(surfaces.visible, geometry, kEdge + margin, kEdge + reach);
+  geometry_.origin = compose(geometry.origin, {window.left * geometry.resolution,
+                                               window.bottom * geometry.resolution, 0.0});
+  geometry_.width = window.width();
+  geometry_.height = window.height();
+  const std::vector<std::uint8_t> blurred = cut(surfaces.blurred, geometry, window);
+  cells_.assign(blurred.size(), 0);
+  const DistanceTransform distances(cut(surfaces.visible, geometry, window), window.width(),
+                                    window.height(), reach);
+  distances.forEachRow([&](int row, const std::uint32_t* squared) {
+    if (row < kEdge || row >= window.height() - kEdge) return;
+    const std::size_t first = CellIndex(geometry_)({0, row});
+    std::size_t steps = 0;
+    for (int column = kEdge; column < window.width() - kEdge; ++column) {
+      const std::size_t cell = first + static_cast<std::size_t>(column);
       const double factor = blurred[cell] != 0 ? parameters.inside_wall_factor : 1.0;
-      const double distance = factor * static_cast<double>(distances[cell]) * geometry_.resolution;
-      if (!(distance < reach)) continue;
-      const double above_rand = logLikelihoodAt(distance) - log_rand;
-      const auto steps =
-          static_cast<unsigned>(std::lround(above_rand / static_cast<double>(log_step_)));
-      cells_[cell] = static_cast<std::uint16_t>(cells_[cell] | steps);
-      cells_[cell - width] = static_cast<std::uint16_t>(cells_[cell - width] | steps << 8U);
+      const double distance = factor * factor * squared[column];
+      while (steps > 0 && distance > limits[steps]) --steps;
+      while (steps < kSteps && distance <= limits[steps + 1]) ++steps;
+      cells_[cell] = static_cast<std::uint16_t>(steps);
     }
+  });
+  const auto width = static_cast<std::size_t>(window.width());
+  for (std::size_t cell = 0; cell + width < cells_.size(); ++cell) {
+    const auto above = static_cast<unsigned>(cells_[cell + width]) & 0xffU;
+    cells_[cell] = static_cast<std::uint16_t>(cells_[cell] | above << 8U);
   }
 }
 

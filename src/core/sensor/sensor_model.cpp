@@ -1,8 +1,10 @@
 #include "racecar_mcl/sensor/sensor_model.h"
 
 #include <algorithm>
-#include <opencv2/core/utility.hpp>
+#include <functional>
 #include <utility>
+
+#include "common/parallel.h"
 
 namespace racecar_mcl {
 namespace {
@@ -21,16 +23,11 @@ void forEachJob(Eigen::Index size, int jobs, const Body& body) {
     if (first < end) body(job, first, end - first);
   };
   if (jobs == 1) return run(0);
-  cv::parallel_for_(
-      cv::Range(0, jobs),
-      [&](const cv::Range& range) {
-        for (int job = range.start; job < range.end; ++job) run(job);
-      },
-      jobs);
+  parallelFor(jobs, std::ref(run));  // a function of a reference allocates nothing
 }
 
 int jobsFor(int threads, Eigen::Index size) {
-  const int max_jobs = threads == 0 ? std::max(1, cv::getNumberOfCPUs()) : threads;
+  const int max_jobs = threads == 0 ? maxThreads() : threads;
   return static_cast<int>(std::clamp<Eigen::Index>(size / kChunk, 1, max_jobs));
 }
 

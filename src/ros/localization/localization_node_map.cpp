@@ -4,6 +4,7 @@
 
 #include "racecar_mcl/common/errors.h"
 #include "racecar_mcl/common/printable.h"
+#include "racecar_mcl/map/cell_runs.h"
 #include "ros/conversions/map_conversions.h"
 #include "ros/localization/localization_node.h"
 

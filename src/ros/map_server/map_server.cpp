@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/map/cell_runs.h"
 #include "racecar_mcl/map/map_io.h"
 #include "ros/conversions/map_conversions.h"
 #include "ros/conversions/message_conversions.h"

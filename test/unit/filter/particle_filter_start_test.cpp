@@ -92,9 +92,10 @@ TEST(ParticleFilter, AGlobalStartCoversTheFreeSpaceEvenly) {
     left_half += cell.column < 15 ? 1 : 0;
     pointing_up += particles.yaw[i] > 0.0 ? 1 : 0;
   }
-  const auto free_left = std::count_if(map.map().free_cells.begin(), map.map().free_cells.end(),
-                                       [](const Cell& cell) { return cell.column < 15; });
-  const double share = static_cast<double>(free_left) / map.map().free_cells.size();
+  const std::vector<Cell> free = map.map().free_cells.cells();
+  const auto free_left =
+      std::count_if(free.begin(), free.end(), [](const Cell& cell) { return cell.column < 15; });
+  const double share = static_cast<double>(free_left) / free.size();
   EXPECT_NEAR(left_half / 20000.0, share, 5 * 0.5 / std::sqrt(20000.0));
   EXPECT_NEAR(pointing_up / 20000.0, 0.5, 5 * 0.5 / std::sqrt(20000.0));
 }

@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/map/cell_runs.h"
 #include "support/ascii_map.h"
 #include "support/temporary_directory.h"
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/map/cell_runs.h"
 #include "support/ascii_map.h"
 
 namespace racecar_mcl {
@@ -97,7 +98,7 @@ TEST(OccupancyGrid, ListsItsFreeCellsRowByRow) {
   const OccupancyGrid grid = asciiMap(R"(
       #.#
       .?.)");
-  EXPECT_EQ(freeCells(grid), (std::vector<Cell>{{0, 0}, {2, 0}, {1, 1}}));
+  EXPECT_EQ(freeCells(grid).cells(), (std::vector<Cell>{{0, 0}, {2, 0}, {1, 1}}));
 }
 
 TEST(OccupancyGrid, MayHaveNoFreeCell) {

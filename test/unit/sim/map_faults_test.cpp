@@ -7,6 +7,7 @@
 #include <string>
 
 #include "racecar_mcl/common/errors.h"
+#include "racecar_mcl/map/cell_runs.h"
 #include "racecar_mcl/map/map_io.h"
 #include "sim/random_placement.h"
 #include "sim/wall_surfaces.h"

@@ -1,0 +1,99 @@
+// Time and memory of the lookup structures of large maps, from the smallest on. Prints a table.
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cpu_time.h"
+#include "racecar_mcl/common/random.h"
+#include "racecar_mcl/localizer/localization_map.h"
+
+namespace racecar_mcl::bench {
+namespace {
+
+constexpr double kResolution = 0.05;  // m per cell
+constexpr int kWallsPerCell = 8;      // of a side: one wall for so many
+constexpr int kMaxWallLength = 400;   // cells
+
+/// A hall of `known` cells a side with random walls, in the middle of an unknown map of `size`.
+OccupancyGrid hall(int size, int known) {
+  Random random(1);
+  GridGeometry geometry;
+  geometry.width = geometry.height = size;
+  geometry.resolution = kResolution;
+  std::vector<std::int8_t> cells(static_cast<std::size_t>(size) * static_cast<std::size_t>(size),
+                                 OccupancyGrid::kUnknown);
+  const CellIndex index(geometry);
+  const int first = (size - known) / 2;
+  const auto fill = [&](int left, int bottom, int right, int top, std::int8_t value) {
+    for (int row = std::max(bottom, first); row < std::min(top, first + known); ++row) {
+      for (int column = std::max(left, first); column < std::min(right, first + known); ++column) {
+        cells[index({column, row})] = value;
+      }
+    }
+  };
+  const int last = first + known;
+  fill(first, first, last, last, OccupancyGrid::kOccupied);
+  fill(first + 2, first + 2, last - 2, last - 2, OccupancyGrid::kFree);
+  for (int i = 0; i < known / kWallsPerCell; ++i) {
+    const int left = first + static_cast<int>(random.index(static_cast<std::size_t>(known)));
+    const int bottom = first + static_cast<int>(random.index(static_cast<std::size_t>(known)));
+    const int length = static_cast<int>(random.index(kMaxWallLength));
+    const bool along_row = i % 2 == 0;
+    fill(left, bottom, left + (along_row ? length : 2), bottom + (along_row ? 2 : length),
+         OccupancyGrid::kOccupied);
+  }
+  return {geometry, std::move(cells)};
+}
+
+/// MB that the process has now.
+double residentMegabytes() {
+  std::ifstream file("/proc/self/statm");
+  long pages = 0, resident = 0;
+  file >> pages >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+double peakMegabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024.0 / 1e6;
+}
+
+void measure(int size, int known) {
+  const double before = residentMegabytes();
+  OccupancyGrid grid = hall(size, known);
+  const auto start = std::chrono::steady_clock::now();
+  const double cpu_start = cpuSeconds();
+  const auto map = makeLocalizationMap(std::move(grid), SensorParameters{});
+  const double cpu = cpuSeconds() - cpu_start;
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  malloc_trim(0);
+  const double cells = static_cast<double>(size) * static_cast<double>(size);
+  std::printf("| %d x %d | %d x %d | %.2f | %.2f | %.0f | %.1f | %.0f |\n", size, size, known,
+              known, wall.count(), cpu, residentMegabytes() - before,
+              (residentMegabytes() - before) * 1e6 / cells, peakMegabytes());
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace racecar_mcl::bench
+
+int main() {
+  std::printf(
+      "| map, cells | known | wall s | CPU s | MB with it | bytes per cell | peak MB until then |\n"
+      "|---|---|---:|---:|---:|---:|---:|\n");
+  for (const auto& [size, known] :
+       {std::pair{640, 640}, std::pair{4000, 800}, std::pair{4000, 4000}, std::pair{10000, 1000},
+        std::pair{10000, 10000}}) {
+    racecar_mcl::bench::measure(size, known);
+  }
+  return 0;
+}
