@@ -1,8 +1,7 @@
 // Scan preprocessing: beam selection, range correction and deskewing.
 #pragma once
 
-#include <functional>
-
+#include "racecar_mcl/scan/deskew.h"
 #include "racecar_mcl/scan/scan.h"
 
 namespace racecar_mcl {
@@ -36,10 +35,6 @@ struct PreprocessedScan {
   Scan sweep;           ///< before deskewing, with times in acquisition order
   double turned = 0.0;  ///< rad, turn of the car during the sweep; 0 without deskewing
 };
-
-/// The car's pose at a time after the scan's stamp (s), in its frame at the stamp, or at the pose
-/// to which the scan is moved.
-using BaseAfter = std::function<Pose2(double seconds)>;
 
 class ScanPreprocessor {
  public:

@@ -4,7 +4,6 @@
 
 #include "racecar_mcl/common/validation.h"
 #include "racecar_mcl/scan/beam_selection.h"
-#include "racecar_mcl/scan/deskew.h"
 
 namespace racecar_mcl {
 namespace {
