@@ -1,12 +1,15 @@
-// Time and memory of the lookup structures of large maps, from the smallest on. Prints a table.
+// Time and memory from the grid to all that the localizer derives from it, on large maps. Prints a
+// table.
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,12 +17,13 @@
 #include "cpu_time.h"
 #include "racecar_mcl/common/random.h"
 #include "racecar_mcl/localizer/localization_map.h"
+#include "racecar_mcl/map/map_summary.h"
 
 namespace racecar_mcl::bench {
 namespace {
 
 constexpr double kResolution = 0.05;  // m per cell
-constexpr int kWallsPerCell = 8;      // of a side: one wall for so many
+constexpr int kCellsPerWall = 8;      // of a side
 constexpr int kMaxWallLength = 400;   // cells
 
 /// A hall of `known` cells a side with random walls, in the middle of an unknown map of `size`.
@@ -42,7 +46,7 @@ OccupancyGrid hall(int size, int known) {
   const int last = first + known;
   fill(first, first, last, last, OccupancyGrid::kOccupied);
   fill(first + 2, first + 2, last - 2, last - 2, OccupancyGrid::kFree);
-  for (int i = 0; i < known / kWallsPerCell; ++i) {
+  for (int i = 0; i < known / kCellsPerWall; ++i) {
     const int left = first + static_cast<int>(random.index(static_cast<std::size_t>(known)));
     const int bottom = first + static_cast<int>(random.index(static_cast<std::size_t>(known)));
     const int length = static_cast<int>(random.index(kMaxWallLength));
@@ -67,12 +71,19 @@ double peakMegabytes() {
   return static_cast<double>(usage.ru_maxrss) * 1024.0 / 1e6;
 }
 
+/// As the node does.
+std::shared_ptr<const LocalizationMap> fromGrid(OccupancyGrid grid) {
+  const Surfaces surfaces = findSurfaces(grid);
+  summarize(grid, surfaces);
+  return makeLocalizationMap(std::move(grid), surfaces, SensorParameters{});
+}
+
 void measure(int size, int known) {
   const double before = residentMegabytes();
   OccupancyGrid grid = hall(size, known);
   const auto start = std::chrono::steady_clock::now();
   const double cpu_start = cpuSeconds();
-  const auto map = makeLocalizationMap(std::move(grid), SensorParameters{});
+  const auto map = fromGrid(std::move(grid));
   const double cpu = cpuSeconds() - cpu_start;
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   malloc_trim(0);

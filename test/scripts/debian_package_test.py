@@ -20,14 +20,15 @@ RUN_PACKAGES = {
     "libopencv-dev": [LIBRARIES], "nav_msgs": ["python3-nav-msgs"], "nodelet": ["libnodeletlib-tools", LIBRARIES],
     "pluginlib": [LIBRARIES], "rosbag": ["python3-rosbag", LIBRARIES], "roscpp": [LIBRARIES],
     "rosgraph_msgs": ["python3-rosgraph-msgs"], "sensor_msgs": ["python3-sensor-msgs"],
-    "std_msgs": ["python3-std-msgs"], "std_srvs": ["python3-std-srvs"], "tf2": [LIBRARIES],
+    "std_msgs": ["python3-std-msgs"], "std_srvs": ["python3-std-srvs"], "tbb": [LIBRARIES],
+    "tf2": [LIBRARIES],
     "tf2_msgs": ["python3-tf2-msgs"], "tf2_ros": [LIBRARIES], "visualization_msgs": ["python3-visualization-msgs"],
     "yaml-cpp": [LIBRARIES], "rosgraph": ["python3-rosgraph"], "roslib": ["python3-roslib"], "tf2_py": ["python3-tf2"],
     "rospy": ["python3-rospy"], "rviz": ["rviz"]}
 BUILD_PACKAGES = {
     "catkin": ["catkin"], "cli11": ["libcli11-dev"], "eigen": ["libeigen3-dev"],
     "nlohmann-json-dev": ["nlohmann-json3-dev"], "nodelet": ["libnodelet-dev", "libnodeletlib-dev"],
-    "pluginlib": ["pluginlib-dev"], "rosbag": ["librosbag-dev"], "rviz": ["librviz-dev"],
+    "pluginlib": ["pluginlib-dev"], "rosbag": ["librosbag-dev"], "rviz": ["librviz-dev"], "tbb": ["libtbb-dev"],
     "tf2": ["libtf2-ros-dev"], "tf2_msgs": ["libtf2-msgs-dev"], "tf2_ros": ["libtf2-ros-dev"],
     "yaml-cpp": ["libyaml-cpp-dev"]}
 BUILD_PACKAGES.update({name: ["ros-core-dev"] for name in (

@@ -13,7 +13,8 @@ using BaseAfter = std::function<Pose2(double seconds)>;
 
 /// The sweep as seen from the lidar's pose at the scan's stamp: every end point is transformed by
 /// the car's motion between the stamp and its beam, interpolated between times that are at most a
-/// millisecond apart. Beams without a return keep +inf; only their bearings change.
+/// millisecond apart (in sweeps of up to 2 s). The times must be finite. Beams without a return
+/// keep +inf; only their bearings change.
 Scan deskew(const Scan& scan, const BaseAfter& base_after);
 
 }  // namespace racecar_mcl

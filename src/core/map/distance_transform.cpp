@@ -50,7 +50,8 @@ struct DistanceTransform::Envelope {
       first = same < 0.0 ? 0 : static_cast<int>(same) + 1;
       if (first > last.first) break;
     }
-    parabolas[size++] = {column, size > 0 ? first : 0, height};
+    if (size == 0) first = 0;
+    parabolas[size++] = {column, first, height};
   }
 
   std::vector<Parabola> parabolas;

@@ -10,7 +10,7 @@ namespace {
 // Between poses of the lidar that are computed. At 7 m/s and 3 rad/s the interpolated position is
 // off by 3 micrometres.
 constexpr double kPosePeriod = 1e-3;  // s
-constexpr double kMaxPoses = 1000.0;  // of a sweep
+constexpr double kMaxPoses = 2000.0;  // of a sweep
 
 /// The pose of the lidar during a sweep, in its frame at the stamp.
 class LidarMotion {

@@ -16,6 +16,10 @@ constexpr double kMaxMargin = 200.0;   // cells
 // Cells at the edge of the field that have the value of the outside; the second one is the right or
 // upper neighbour of the first.
 constexpr int kEdge = 2;
+// Maximum distance of a cell in a blurred wall from a visible surface: twice the thickness of such
+// walls. Smallest inside_wall_factor that is divided by.
+constexpr double kMaxBlurredDepth = 2.6;  // m
+constexpr double kMinFactor = 1e-3;
 constexpr int kSteps = 255;  // of the stored values
 
 /// Columns and rows of a map, also outside of it: [left, right) x [bottom, top).
@@ -86,7 +90,8 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
       exponent_(static_cast<float>(parameters.likelihood_exponent)),
       log_rand_(static_cast<float>(std::log(parameters.z_rand))),
       log_step_(static_cast<float>(-std::log(parameters.z_rand) / kSteps)) {
-  // Squared distances, in cells, up to which a value is at least so many steps above the outside.
+  // limits[n]: squared distance, in cells, up to which a value is at least n steps above the
+  // outside.
   std::array<double, kSteps + 1> limits;
   const double log_rand = std::log(parameters.z_rand);
   for (int steps = 0; steps <= kSteps; ++steps) {
@@ -94,7 +99,10 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
     const double cells = distanceOf(value) / geometry.resolution;
     limits[static_cast<std::size_t>(steps)] = cells * cells;
   }
-  const int reach = wholeCells(std::sqrt(limits[1]));
+  const double blurred_reach =
+      std::min(kMaxBlurredDepth / geometry.resolution,
+               std::sqrt(limits[1]) / std::max(kMinFactor, parameters.inside_wall_factor));
+  const int reach = wholeCells(std::max(std::sqrt(limits[1]), blurred_reach));
   const int margin = wholeCells(
       std::min(kMarginScales * parameters.field_scale / geometry.resolution, kMaxMargin));
   const Window window = windowAround(surfaces.visible, geometry, kEdge + margin, kEdge + reach);
@@ -112,6 +120,10 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
     std::size_t steps = 0;
     for (int column = kEdge; column < window.width() - kEdge; ++column) {
       const std::size_t cell = first + static_cast<std::size_t>(column);
+      if (squared[column] == DistanceTransform::kFar) {
+        steps = 0;
+        continue;
+      }
       const double factor = blurred[cell] != 0 ? parameters.inside_wall_factor : 1.0;
       const double distance = factor * factor * squared[column];
       while (steps > 0 && distance > limits[steps]) --steps;

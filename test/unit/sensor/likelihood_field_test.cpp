@@ -77,6 +77,15 @@ TEST(LikelihoodField, IsWiderInsideAThickWall) {
   }
 }
 
+TEST(LikelihoodField, ReachesThroughAThickWallWithASmallScale) {
+  LikelihoodFieldParameters p = plain();
+  p.field_scale = 0.005;
+  p.inside_wall_factor = 0.1;
+  const LikelihoodField field(asciiMap(kThickWallOnTheRight, 0.1), p);
+  EXPECT_NEAR(logLikelihoodOf(field, {0.05, 0.35, 0.0}, oneBeam(0.0f, 0.8f)), formula(p, 0.04),
+              kRounding);
+}
+
 TEST(LikelihoodField, IsSymmetricInsideAThinWall) {
   LikelihoodFieldParameters p = plain();
   p.inside_wall_factor = 0.5;
