@@ -12,8 +12,9 @@ struct ParticleFilterParameters {
   /// Resample if the effective sample size is at most this fraction of the set; 1 = at every scan
   /// (the report), 0 = never.
   double resample_threshold = 0.5;
-  int min_effective_particles = 100;  ///< a likelihood that would leave fewer is applied in
-                                      ///< annealing steps with resampling between them; 0 = never
+  /// A likelihood that would leave fewer is applied in annealing steps, with resampling between
+  /// them; 0 = never.
+  int min_effective_particles = 50;
   ResamplingMethod resampling = ResamplingMethod::kSystematic;
   EstimateFrom estimate = EstimateFrom::kMean;
   double initial_sigma = 0.5;       ///< m and rad, for variances of zero in a start pose

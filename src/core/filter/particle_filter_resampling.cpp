@@ -16,10 +16,13 @@ constexpr Eigen::Index kGlobalSizeDivisor = 10;
 // than scans separate its clusters.
 constexpr PoseBins kKldBins{0.25, 0.17};  // m, rad
 
-// Annealing (docs/maths.md): maximum number of steps, maximum effective sample size wanted, as a
-// fraction of the set, and kernel width h of Liu and West (2001), as a fraction of the set's sigma.
+// Annealing (docs/maths.md): maximum number of steps, effective sample size after a step as a
+// multiple of the minimum, its maxima as fractions of the set and of that before the step, and
+// kernel width h of Liu and West (2001) as a fraction of the set's sigma.
 constexpr int kMaxAnnealingSteps = 4;
+constexpr double kStepRatio = 2.0;
 constexpr double kMaxEffectiveRatio = 0.5;
+constexpr double kMaxStepRatio = 0.9;
 constexpr double kAnnealingKernel = 0.3;
 
 // Bandwidth of the regularization kernel after Silverman (1986): factor, and exponent -1 / (d + 4)
@@ -31,13 +34,18 @@ constexpr double kBandwidthExponent = -1.0 / 7.0;
 
 double ParticleFilter::anneal(const Scan& scan, SensorModel* model, double exponent) {
   const double wanted =
-      std::min<double>(parameters_.min_effective_particles,
+      std::min<double>(kStepRatio * parameters_.min_effective_particles,
                        kMaxEffectiveRatio * static_cast<double>(particles_.size()));
   if (wanted <= 0.0 || !converged_ || motion_parameters_.deterministic) return 0.0;
   double log_likelihood = 0.0;
   double remaining = 1.0;  // exponent
   for (int step = 1; step < kMaxAnnealingSteps; ++step) {
-    const double part = temperingExponent(particles_.log_weight, log_likelihoods_, wanted);
+    const auto effective = [this](double power) {
+      return temperedSampleSize(particles_.log_weight, power, log_likelihoods_);
+    };
+    if (!(effective(1.0) < wanted / kStepRatio)) break;
+    const double part = temperingExponent(particles_.log_weight, log_likelihoods_,
+                                          std::min(wanted, kMaxStepRatio * effective(0.0)));
     if (part == 1.0) break;
     particles_.log_weight += part * log_likelihoods_;
     log_likelihood += normalizeLogWeights(&particles_.log_weight, &weights_);

@@ -13,9 +13,10 @@ constexpr double kTolerance = 1.01;
 constexpr int kMaxSteps = 30;
 constexpr double kMinExponent = 1e-6;
 
-/// The effective sample size of weight * likelihood^exponent.
-double effectiveSize(const Eigen::ArrayXd& log_weights, double exponent,
-                     const Eigen::ArrayXd& log_likelihoods) {
+}  // namespace
+
+double temperedSampleSize(const Eigen::ArrayXd& log_weights, double exponent,
+                          const Eigen::ArrayXd& log_likelihoods) {
   const int size = static_cast<int>(log_weights.size());
   const double* const before = log_weights.data();
   const double* const scan = log_likelihoods.data();
@@ -36,18 +37,16 @@ double effectiveSize(const Eigen::ArrayXd& log_weights, double exponent,
   return sum.total() * sum.total() / sum_of_squares.total();
 }
 
-}  // namespace
-
 double temperingExponent(const Eigen::ArrayXd& log_weights, const Eigen::ArrayXd& log_likelihoods,
                          double wanted) {
   if (log_weights.size() == 0 || !log_likelihoods.allFinite()) return 1.0;
-  if (effectiveSize(log_weights, 1.0, log_likelihoods) >= wanted) return 1.0;
-  if (effectiveSize(log_weights, 0.0, log_likelihoods) <= wanted) return 1.0;
+  if (temperedSampleSize(log_weights, 1.0, log_likelihoods) >= wanted) return 1.0;
+  if (temperedSampleSize(log_weights, 0.0, log_likelihoods) <= wanted) return 1.0;
   double low = 0.0;
   double high = 1.0;
   for (int step = 0; step < kMaxSteps; ++step) {
     const double middle = 0.5 * (low + high);
-    const double size = effectiveSize(log_weights, middle, log_likelihoods);
+    const double size = temperedSampleSize(log_weights, middle, log_likelihoods);
     (size >= wanted ? low : high) = middle;
     if (size >= wanted && size < kTolerance * wanted) break;
   }

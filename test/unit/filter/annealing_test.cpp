@@ -70,9 +70,9 @@ class Annealing : public testing::Test {
 };
 
 TEST_F(Annealing, LeavesEnoughEffectiveParticles) {
-  ParticleFilter annealed = started(200, 80, 1);
+  ParticleFilter annealed = started(200, 50, 1);
   const UpdateResult result = annealed.update(scan_, model_.get());
-  EXPECT_GE(result.effective_sample_size, 80.0);
+  EXPECT_GE(result.effective_sample_size, 50.0);
   EXPECT_TRUE(result.resampled);
   ParticleFilter at_once = started(200, 0, 1);
   EXPECT_LT(at_once.update(scan_, model_.get()).effective_sample_size, 20.0);
@@ -85,7 +85,7 @@ TEST_F(Annealing, BringsFewParticlesCloserToTheEstimateOfMany) {
   constexpr int kRuns = 100;
   for (int run = 0; run < kRuns; ++run) {
     const auto seed = static_cast<std::uint64_t>(100 + run);
-    const PoseEstimate annealed = updated(200, 100, seed).estimate;
+    const PoseEstimate annealed = updated(200, 50, seed).estimate;
     const PoseEstimate at_once = updated(200, 0, seed).estimate;
     squares_annealed += std::pow(distance(annealed.base_in_map, posterior.base_in_map), 2);
     squares_at_once += std::pow(distance(at_once.base_in_map, posterior.base_in_map), 2);
@@ -101,7 +101,7 @@ TEST_F(Annealing, IncludesTheLikelihoodOfEveryStep) {
   const double at_once = updated(400000, 0, 3).log_likelihood;
   double annealed = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    annealed += updated(5000, 2500, seed).log_likelihood / 20.0;
+    annealed += updated(5000, 1250, seed).log_likelihood / 20.0;
   }
   EXPECT_NEAR(annealed, at_once, 1.0);
 }
@@ -109,14 +109,31 @@ TEST_F(Annealing, IncludesTheLikelihoodOfEveryStep) {
 TEST_F(Annealing, IsNotUsedIfEnoughParticlesAreEffective) {
   Scan scan = scan_;
   scan.ranges.setConstant(1000.0F);  // beyond field_max_range: not evaluated
-  ParticleFilter filter = started(200, 100, 4);
+  ParticleFilter filter = started(200, 50, 4);
   EXPECT_FALSE(filter.update(scan, model_.get()).resampled);
+}
+
+TEST_F(Annealing, BeginsBelowTheMinimum) {
+  const double at_once = updated(200, 0, 1).effective_sample_size;
+  EXPECT_FALSE(updated(200, static_cast<int>(at_once), 1).resampled);
+  EXPECT_TRUE(updated(200, static_cast<int>(at_once) + 1, 1).resampled);
+}
+
+TEST_F(Annealing, GoesOnWithoutOtherResampling) {
+  ParticleFilter filter = started(200, 50, 6);
+  Motion motion;
+  motion.distance = 0.1;
+  motion.seconds = 0.1;
+  for (int i = 0; i < 20; ++i) {
+    filter.predict(motion);
+    EXPECT_GE(filter.update(scan_, model_.get()).effective_sample_size, 20.0) << i;
+  }
 }
 
 TEST_F(Annealing, IsNotUsedWithDeterministicMotion) {
   MotionModelParameters motion;
   motion.deterministic = true;
-  ParticleFilter filter = started(200, 100, 5, motion);
+  ParticleFilter filter = started(200, 50, 5, motion);
   const Eigen::ArrayXd before = filter.particles().x;
   EXPECT_FALSE(filter.update(scan_, model_.get()).resampled);
   EXPECT_TRUE((filter.particles().x == before).all());
