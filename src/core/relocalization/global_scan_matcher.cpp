@@ -94,15 +94,17 @@ ParticleSet GlobalScanMatcher::bestPoses(const Eigen::ArrayXf& scores) const {
   best.resize(static_cast<Eigen::Index>((good + every - 1) / every));
   std::size_t seen = 0;
   Eigen::Index taken = 0;
-  for (std::size_t i = 0; i < poses(); ++i) {
-    const float score = scores[static_cast<Eigen::Index>(i)];
-    if (!(score >= lowest) || seen++ % every != 0) continue;
-    const Cell cell = positions_[i % positions_.size()];
-    const Eigen::Vector2d point =
-        gridToWorld(map_, {(cell.column + 0.5) * stride_, (cell.row + 0.5) * stride_});
-    const double yaw = yawOf(static_cast<long>(i / positions_.size())) + map_.origin.yaw;
-    best.setPose(taken, {point.x(), point.y(), wrapAngle(yaw)});
-    best.log_weight[taken++] = static_cast<double>(score);
+  const float* score = scores.data();
+  for (long direction = 0; direction < directions_; ++direction) {
+    const double yaw = wrapAngle(yawOf(direction) + map_.origin.yaw);
+    for (std::size_t i = 0; i < positions_.size(); ++i, ++score) {
+      if (!(*score >= lowest) || seen++ % every != 0) continue;
+      const Cell cell = positions_[i];
+      const Eigen::Vector2d point =
+          gridToWorld(map_, {(cell.column + 0.5) * stride_, (cell.row + 0.5) * stride_});
+      best.setPose(taken, {point.x(), point.y(), yaw});
+      best.log_weight[taken++] = static_cast<double>(*score);
+    }
   }
   return best;
 }

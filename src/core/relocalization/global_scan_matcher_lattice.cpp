@@ -90,6 +90,7 @@ void GlobalScanMatcher::buildCoarseField(const Surfaces& surfaces) {
     return std::min(lattice * stride_ + stride_ / 2, map_size - 1);
   };
   std::vector<int> rows;
+  rows.reserve(static_cast<std::size_t>(height_));
   for (int row = 0; row < height_; ++row) rows.push_back(middleOf(row, map_.height));
   const auto fillRow = [&](int map_row, const std::uint32_t* squared) {
     float* const values = &coarse_field_[coarseIndex({0, map_row / stride_})];
