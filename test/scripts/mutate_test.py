@@ -116,9 +116,9 @@ class Verdict(unittest.TestCase):
         self.folder = Path(folder.name)
         self.bench = FakeBench(ROOT, self.folder, ("unit_tests",))
         self.bench.limits = {"unit_tests": 1}
-        (self.folder / "source/src").mkdir(parents=True)
+        (self.folder / ".source/src").mkdir(parents=True)
         (self.folder / "build/test").mkdir(parents=True)
-        (self.folder / "source/src/a.cpp").write_text("a < b", encoding="utf-8")
+        (self.folder / ".source/src/a.cpp").write_text("a < b", encoding="utf-8")
 
     def verdict(self, script):
         program = self.folder / "build/test/unit_tests"
@@ -150,8 +150,8 @@ class Verdict(unittest.TestCase):
     def testAMutantIsCompiledAndLinkedBesideTheBuild(self):
         library = self.folder / "build/src/core"
         (library / "CMakeFiles/racecar_mcl_core.dir").mkdir(parents=True)
-        (self.folder / "source/src/core").mkdir()
-        file = self.folder / "source/src/core/a.cpp"
+        (self.folder / ".source/src/core").mkdir()
+        file = self.folder / ".source/src/core/a.cpp"
         file.write_text("extern \"C\" int steps() { return 1; }\n", encoding="utf-8")
         command = {"directory": str(library), "file": str(file), "command": f"g++ -fPIC -o a.o -c {file}"}
         (self.folder / "build/compile_commands.json").write_text(json.dumps([command]), encoding="utf-8")

@@ -78,7 +78,7 @@ class TestBench:
     def __init__(self, root, folder, programs):
         self.root = root
         self.programs = programs
-        self.source = folder / "source"
+        self.source = folder / ".source"  # hidden, or roslaunch finds its launch files beside the package's
         self.build = folder / "build"
         self.limits = {}
         self.environment = dict(os.environ, CCACHE_BASEDIR=str(self.source), CCACHE_NOHASHDIR="1",
