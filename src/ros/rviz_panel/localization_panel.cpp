@@ -88,7 +88,7 @@ LocalizationPanel::~LocalizationPanel() {
   // connected yet is not ended.
   std::unique_lock<std::mutex> lock(client_mutex_);
   while (client_) {
-    client_.shutdown();
+    client_->shutdown();
     call_ended_.wait_for(lock, kShutdownPeriod);
   }
 }
@@ -97,7 +97,7 @@ template <typename Service>
 std::string LocalizationPanel::callOrExplain(const std::string& name, Service* service) {
   if (!ros::service::exists(name, false)) return "there is no service " + name;
   ros::ServiceClient client = handle_.serviceClient<Service>(name, true);
-  const auto set_client = [this](const ros::ServiceClient& newest) {
+  const auto set_client = [this](const std::optional<ros::ServiceClient>& newest) {
     const std::lock_guard<std::mutex> lock(client_mutex_);
     client_ = newest;
   };

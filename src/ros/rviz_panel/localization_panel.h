@@ -74,8 +74,8 @@ class LocalizationPanel : public rviz::Panel {
   ros::NodeHandle handle_;
   ros::Subscriber status_subscriber_, diagnostics_subscriber_;
 
-  std::mutex client_mutex_;    ///< guards the next one
-  ros::ServiceClient client_;  ///< of the call that waits for its answer
+  std::mutex client_mutex_;                   ///< guards the next one
+  std::optional<ros::ServiceClient> client_;  ///< of the call that waits for its answer
   std::condition_variable call_ended_;
   std::atomic<bool> is_closing_{false};
   WorkerThread caller_;  ///< last, so that it ends before what it uses
