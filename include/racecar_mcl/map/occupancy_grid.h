@@ -111,7 +111,8 @@ class OccupancyGrid {
 /// 1 for cells where rays end, 0 for others; row-major like the cells.
 std::vector<std::uint8_t> obstacleMask(const OccupancyGrid& grid, UnknownIs unknown_is);
 
-/// Whether any cell is an obstacle.
+/// Whether any cell is free, or an obstacle.
+bool hasFreeCell(const OccupancyGrid& grid);
 bool hasObstacle(const OccupancyGrid& grid);
 
 }  // namespace racecar_mcl

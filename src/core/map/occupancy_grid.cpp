@@ -77,6 +77,12 @@ std::vector<std::uint8_t> obstacleMask(const OccupancyGrid& grid, UnknownIs unkn
   return mask;
 }
 
+bool hasFreeCell(const OccupancyGrid& grid) {
+  return std::any_of(grid.cells().begin(), grid.cells().end(), [](std::int8_t value) {
+    return value >= 0 && value < OccupancyGrid::kObstacleFrom;
+  });
+}
+
 bool hasObstacle(const OccupancyGrid& grid) {
   return std::any_of(grid.cells().begin(), grid.cells().end(),
                      [](std::int8_t value) { return value >= OccupancyGrid::kObstacleFrom; });

@@ -4,7 +4,6 @@
 
 #include "racecar_mcl/common/errors.h"
 #include "racecar_mcl/common/printable.h"
-#include "racecar_mcl/map/cell_runs.h"
 #include "ros/conversions/map_conversions.h"
 #include "ros/localization/localization_node.h"
 
@@ -14,7 +13,7 @@ namespace {
 /// Throws MapError if the map has no free or no occupied cell and ParameterError if the pose lies
 /// outside it.
 void checkSetMap(const OccupancyGrid& grid, const Pose2& pose) {
-  if (freeCells(grid).empty()) throw MapError("the map has no free cell");
+  if (!hasFreeCell(grid)) throw MapError("the map has no free cell");
   if (!hasObstacle(grid)) throw MapError("the map has no occupied cell");
   if (!contains(grid.geometry(), cellAt(grid.geometry(), {pose.x, pose.y}))) {
     throw ParameterError("the initial pose lies outside the map");

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "racecar_mcl/common/errors.h"
-#include "racecar_mcl/map/cell_runs.h"
 #include "racecar_mcl/map/map_io.h"
 #include "ros/conversions/map_conversions.h"
 #include "ros/conversions/message_conversions.h"
@@ -64,7 +63,7 @@ void MapServer::load() {
   summary_ = summarize(grid, path);
   if (log_throttle_.isDue()) ROS_INFO_STREAM(summary_);
   for (const auto& [is_missing, kind] :
-       {std::pair{freeCells(grid).empty(), "free"}, std::pair{!hasObstacle(grid), "occupied"}}) {
+       {std::pair{!hasFreeCell(grid), "free"}, std::pair{!hasObstacle(grid), "occupied"}}) {
     if (!is_missing || !log_throttle_.isDue()) continue;
     ROS_WARN_STREAM("map '" << path << "' has no " << kind << " cell; check its negate, " << kind
                             << "_thresh and mode");

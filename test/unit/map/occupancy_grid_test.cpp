@@ -103,6 +103,8 @@ TEST(OccupancyGrid, ListsItsFreeCellsRowByRow) {
 
 TEST(OccupancyGrid, MayHaveNoFreeCell) {
   EXPECT_TRUE(freeCells(asciiMap("#?")).empty());
+  EXPECT_FALSE(hasFreeCell(asciiMap("#?")));
+  EXPECT_TRUE(hasFreeCell(asciiMap("#.")));
   EXPECT_TRUE(freeCells(asciiMap("??")).empty());
 }
 
