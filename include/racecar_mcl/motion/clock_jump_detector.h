@@ -19,8 +19,9 @@ class ClockJumpDetector {
   /// A stamp that is `max_back` seconds or more before the newest is far.
   explicit ClockJumpDetector(double max_back) : max_back_(max_back) {}
 
-  /// A stamp after `max_stamp` is far.
-  StampCheck check(double stamp, double max_stamp);
+  /// A stamp after `max_stamp` is far. Without `may_jump`, a second far stamp is an outlier as
+  /// well.
+  StampCheck check(double stamp, double max_stamp, bool may_jump = true);
 
   double maxBack() const { return max_back_; }  ///< s
 

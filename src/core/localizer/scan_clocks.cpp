@@ -55,13 +55,9 @@ ScanOutcome ScanClocks::check(double stamp, int lidar, const std::optional<doubl
     const double next = *scan + kMaxScanPeriodsAhead * knownPeriod(clock.clock_jump.period());
     latest = std::max(next, latest.value_or(next));
   }
-  const ClockJumpDetector before = clock.clock_jump;
-  const StampCheck checked = clock.clock_jump.check(stamp, latest.value_or(stamp));
+  const bool may_jump = !(max_stamp && anotherGoesOn(lidar, *max_stamp));
+  const StampCheck checked = clock.clock_jump.check(stamp, latest.value_or(stamp), may_jump);
   if (checked == StampCheck::kOutlier) return ScanOutcome::kStampOutlier;
-  if (checked == StampCheck::kClockJump && max_stamp && anotherGoesOn(lidar, *max_stamp)) {
-    clock.clock_jump = before;  // the clock of this lidar alone
-    return ScanOutcome::kStampOutlier;
-  }
   if (clock.last_used && stamp <= *clock.last_used) {
     if (stamp == *clock.last_used) return ScanOutcome::kRepeatedStamp;
     if (stamp > *clock.last_used - clock_jump_) return ScanOutcome::kOutOfOrder;

@@ -10,14 +10,14 @@ constexpr double kDecay = 0.9;  // of the longest interval, per message
 
 }  // namespace
 
-StampCheck ClockJumpDetector::check(double stamp, double max_stamp) {
+StampCheck ClockJumpDetector::check(double stamp, double max_stamp, bool may_jump) {
   if (stamp <= max_stamp && !(newest_ && stamp <= *newest_ - max_back_)) {
     if (newest_) period_ = std::max(stamp - *newest_, kDecay * period_);
     newest_ = std::max(stamp, newest_.value_or(stamp));
     outlier_.reset();
     return StampCheck::kPlausible;
   }
-  if (followsOutlier(stamp, newest_.value_or(max_stamp))) {
+  if (may_jump && followsOutlier(stamp, newest_.value_or(max_stamp))) {
     newest_ = stamp;
     outlier_.reset();
     return StampCheck::kClockJump;
