@@ -10,7 +10,6 @@ namespace {
 // Between poses of the lidar that are computed. At 7 m/s and 3 rad/s the interpolated position is
 // off by 3 micrometres.
 constexpr double kPosePeriod = 1e-3;  // s
-constexpr double kMaxPoses = 2000.0;  // of a sweep
 
 /// The pose of the lidar during a sweep, in its frame at the stamp.
 class LidarMotion {
@@ -18,7 +17,9 @@ class LidarMotion {
   LidarMotion(const Scan& scan, const BaseAfter& base_after)
       : first_(static_cast<double>(scan.seconds_after_stamp.minCoeff())) {
     const double duration = static_cast<double>(scan.seconds_after_stamp.maxCoeff()) - first_;
-    const double periods = std::clamp(std::ceil(duration / kPosePeriod), 1.0, kMaxPoses);
+    const double periods =
+        std::clamp(std::ceil(duration / kPosePeriod), 1.0, static_cast<double>(scan.size()));
+    poses_.reserve(static_cast<std::size_t>(periods) + 1);
     const Pose2 base_in_laser = inverse(scan.laser_in_base);
     for (int i = 0; i <= static_cast<int>(periods); ++i) {
       const Pose2 base = base_after(first_ + duration * i / periods);
