@@ -87,10 +87,10 @@ void measure(int size, int known) {
   const double cpu = cpuSeconds() - cpu_start;
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   malloc_trim(0);
+  const double memory = residentMegabytes() - before;
   const double cells = static_cast<double>(size) * static_cast<double>(size);
   std::printf("| %d x %d | %d x %d | %.2f | %.2f | %.0f | %.1f | %.0f |\n", size, size, known,
-              known, wall.count(), cpu, residentMegabytes() - before,
-              (residentMegabytes() - before) * 1e6 / cells, peakMegabytes());
+              known, wall.count(), cpu, memory, memory * 1e6 / cells, peakMegabytes());
   std::fflush(stdout);
 }
 

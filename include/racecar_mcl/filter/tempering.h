@@ -6,7 +6,7 @@
 namespace racecar_mcl {
 
 /// The effective sample size of weight * likelihood^exponent; NaN if a log-likelihood is NaN or
-/// infinite. A likelihood of zero is a weight of zero.
+/// +infinite; a likelihood of zero is a weight of zero.
 double temperedSampleSize(const Eigen::ArrayXd& log_weights, double exponent,
                           const Eigen::ArrayXd& log_likelihoods);
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "racecar_mcl/map/cell_runs.h"
 #include "racecar_mcl/map/occupancy_grid.h"

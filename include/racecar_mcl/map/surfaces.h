@@ -11,6 +11,9 @@
 
 namespace racecar_mcl {
 
+/// Thicker walls are filled areas.
+constexpr double kMaxBlurredThickness = 1.3;  // m
+
 /// Masks over the cells of a grid, row-major like them.
 struct Surfaces {
   /// 1 for an obstacle cell that shares a side with a free cell, also across one unknown cell,

@@ -29,7 +29,7 @@ struct GlobalScanMatcherParameters {
 void validate(const GlobalScanMatcherParameters& parameters);
 
 /// The likelihood field of the global search: wider than that for tracking, and with the full
-/// likelihood anywhere inside a blurred wall.
+/// likelihood anywhere inside a blurred wall (up to 2.6 m from a visible surface).
 LikelihoodFieldParameters coarseFieldParameters(const GlobalScanMatcherParameters& parameters);
 
 /// Evaluates a scan at a lattice of poses over the free cells of a map, from coarse to fine.

@@ -31,11 +31,11 @@ void validate(const LikelihoodFieldParameters& parameters);
 ///   log((1 - z_rand) / (1 + (d / field_scale)^2) + z_rand).
 ///
 /// Surfaces are those of findSurfaces. Inside blurred walls d is multiplied by inside_wall_factor,
-/// since the true surface may be anywhere inside. Values are stored per cell, in 255 steps between
-/// log(z_rand) and 0, and interpolated bilinearly between cell centres. The tails are those of a
-/// Cauchy distribution instead of a Gaussian: map errors are larger than the lidar's noise. A beam
-/// that ends outside the map by more than four field_scale has the likelihood z_rand. Only the
-/// surroundings of surfaces are stored.
+/// since the true surface may be anywhere inside, up to 2.6 m from a visible one. Values are stored
+/// per cell, in 255 steps between log(z_rand) and 0, and interpolated bilinearly between cell
+/// centres. The tails are those of a Cauchy distribution instead of a Gaussian: map errors are
+/// larger than the lidar's noise. A beam that ends outside the map by more than four field_scale
+/// has the likelihood z_rand. Only the surroundings of surfaces are stored.
 class LikelihoodField {
  public:
   LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);

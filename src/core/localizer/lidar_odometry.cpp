@@ -97,7 +97,7 @@ void LidarOdometry::addKeyframe(const Scan& beams, const Pose2& base) {
   Eigen::Index count = 0;
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
     if (static_cast<double>(beams.ranges[k]) < kMaxRange) {
-      keyframe.ends.col(count++) = keyframe.ends.col(k).eval();
+      keyframe.ends.col(count++) = keyframe.ends.col(k);
     }
   }
   keyframe.ends.conservativeResize(2, count);

@@ -133,7 +133,8 @@ void DistanceTransform::forRows(const std::vector<int>& rows, const RowBody& bod
     for (int i = job * kRows; i < std::min((job + 1) * kRows, count); ++i) {
       const int row = rows[static_cast<std::size_t>(i)];
       computeRow(row, &envelope, squared.data());
-      body(row, squared.data());
+      const auto first = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_);
+      body({row, first, squared.data()});
     }
   });
 }

@@ -1,6 +1,8 @@
 // The exact Euclidean distance transform of a mask, row by row.
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -24,8 +26,19 @@ class DistanceTransform {
   DistanceTransform(const std::vector<std::uint8_t>& mask, int width, int height,
                     int max_distance = kMaxDistance);
 
-  /// The squared distances of one row, an array of `width`.
-  using RowBody = std::function<void(int row, const std::uint32_t* squared)>;
+  /// One row of the result.
+  struct Row {
+    int row;
+    std::size_t first;             ///< index of its first cell in the mask
+    const std::uint32_t* squared;  ///< squared distances of its cells, cells; or kFar
+
+    /// cells; infinite if farther than the maximum distance.
+    float distance(int column) const {
+      return squared[column] == kFar ? std::numeric_limits<float>::infinity()
+                                     : std::sqrt(static_cast<float>(squared[column]));
+    }
+  };
+  using RowBody = std::function<void(const Row& row)>;
   /// Calls `body` for each of `rows`, in any order, on several threads.
   void forRows(const std::vector<int>& rows, const RowBody& body) const;
   /// The same for all rows.
@@ -51,7 +64,8 @@ int wholeCells(double cells);
 /// The cells that are not set.
 std::vector<std::uint8_t> complement(std::vector<std::uint8_t> mask);
 
-/// The mask dilated by a square of 2 half + 1 cells. Throws as DistanceTransform.
+/// The mask dilated by a square of 2 half + 1 cells; cells other than 0 are set. Throws as
+/// DistanceTransform.
 std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& mask, int width, int height,
                                   int half);
 

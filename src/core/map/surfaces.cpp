@@ -1,7 +1,6 @@
 #include "racecar_mcl/map/surfaces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "map/distance_transform.h"
@@ -12,7 +11,6 @@ namespace {
 // Thickness of walls: thinner ones are sharp, those in between blurred, thicker ones filled areas
 // (docs/decisions.md).
 constexpr double kMinBlurredThickness = 0.45;  // m
-constexpr double kMinFilledThickness = 1.3;    // m
 // A cell belongs to a thick wall if it is within this many half thicknesses of its core.
 constexpr float kCoreDistance = 1.5f;
 
@@ -53,16 +51,15 @@ Cores findCores(const std::vector<std::uint8_t>& obstacles, const GridGeometry& 
   Cores cores{std::vector<std::uint8_t>(obstacles.size()),
               std::vector<std::uint8_t>(obstacles.size())};
   const float half_blurred = halfInCells(kMinBlurredThickness, geometry);
-  const float half_filled = halfInCells(kMinFilledThickness, geometry);
-  const auto findInRow = [&](int row, const std::uint32_t* squared) {
-    const std::size_t first = CellIndex(geometry)({0, row});
+  const float half_filled = halfInCells(kMaxBlurredThickness, geometry);
+  const auto findInRow = [&](const DistanceTransform::Row& row) {
     for (int column = 0; column < geometry.width; ++column) {
-      const std::size_t i = first + static_cast<std::size_t>(column);
+      const std::size_t i = row.first + static_cast<std::size_t>(column);
       if (obstacles[i] == 0) continue;
       // A wall at the edge of the image has the thickness drawn, but filled areas continue outside.
-      const float depth = std::sqrt(static_cast<float>(squared[column]));
-      const int to_edge =
-          1 + std::min({column, row, geometry.width - 1 - column, geometry.height - 1 - row});
+      const float depth = row.distance(column);
+      const int to_edge = 1 + std::min({column, row.row, geometry.width - 1 - column,
+                                        geometry.height - 1 - row.row});
       cores.blurred[i] = std::min(depth, static_cast<float>(to_edge)) >= half_blurred ? 1 : 0;
       cores.filled[i] = depth >= half_filled ? 1 : 0;
     }
@@ -80,12 +77,10 @@ std::vector<std::uint8_t> wallsOf(const std::vector<std::uint8_t>& cores, double
   std::vector<std::uint8_t> walls(obstacles.size());
   if (std::find(cores.begin(), cores.end(), 1) == cores.end()) return walls;
   const float reach = kCoreDistance * halfInCells(thickness, geometry);
-  const auto findInRow = [&](int row, const std::uint32_t* squared) {
-    const std::size_t first = CellIndex(geometry)({0, row});
+  const auto findInRow = [&](const DistanceTransform::Row& row) {
     for (int column = 0; column < geometry.width; ++column) {
-      const std::size_t i = first + static_cast<std::size_t>(column);
-      const bool is_near = std::sqrt(static_cast<float>(squared[column])) < reach;
-      walls[i] = obstacles[i] != 0 && is_near ? 1 : 0;
+      const std::size_t i = row.first + static_cast<std::size_t>(column);
+      walls[i] = obstacles[i] != 0 && row.distance(column) < reach ? 1 : 0;
     }
   };
   DistanceTransform(cores, geometry.width, geometry.height, wholeCells(reach))
@@ -102,7 +97,7 @@ Surfaces findSurfaces(const OccupancyGrid& grid) {
   Surfaces surfaces{visibleObstacles(grid, obstacles),
                     wallsOf(cores.blurred, kMinBlurredThickness, obstacles, geometry)};
   const std::vector<std::uint8_t> filled =
-      wallsOf(cores.filled, kMinFilledThickness, obstacles, geometry);
+      wallsOf(cores.filled, kMaxBlurredThickness, obstacles, geometry);
   for (std::size_t i = 0; i < filled.size(); ++i) {
     if (filled[i] != 0) surfaces.blurred[i] = 0;
   }

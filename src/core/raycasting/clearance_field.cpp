@@ -33,30 +33,23 @@ struct Axis {
   double to_entry;  ///< from the cell's lower border to the border where the ray enters
 };
 
-/// Clearances are distances to the dilated obstacles (distance_field.h).
-std::vector<std::uint8_t> dilatedObstacles(std::vector<std::uint8_t> kinds, int width, int height) {
-  for (std::uint8_t& kind : kinds) kind = kind != kPass ? 1 : 0;
-  return dilated(kinds, width, height, 1);
-}
-
 }  // namespace
 
 ClearanceField::ClearanceField(const OccupancyGrid& grid, UnknownIs unknown_is)
     : cells_(cellKinds(grid, unknown_is)) {
   const int width = grid.geometry().width + 2;
   const int height = grid.geometry().height + 2;
-  const DistanceTransform distances(dilatedObstacles(cells_, width, height), width, height,
-                                    kMaxClearance + 1);
-  distances.forEachRow([&](int row, const std::uint32_t* squared) {
-    std::uint8_t* const cells = cells_.data() + static_cast<std::ptrdiff_t>(row) * width;
+  // Clearances are distances to the dilated obstacles (distance_field.h); the kind of passable
+  // cells is 0.
+  const DistanceTransform distances(dilated(cells_, width, height, 1), width, height,
+                                    kMaxClearance);
+  distances.forEachRow([&](const DistanceTransform::Row& row) {
     for (int column = 0; column < width; ++column) {
-      const float clearance = std::sqrt(static_cast<float>(squared[column]));
-      const std::uint8_t kind = cells[column];
-      cells[column] =
-          kind == kObstacle ? kHit
-          : kind == kOutside
-              ? kMiss
-              : static_cast<std::uint8_t>(std::min(clearance, static_cast<float>(kMaxClearance)));
+      std::uint8_t& cell = cells_[row.first + static_cast<std::size_t>(column)];
+      const float clearance = std::min(row.distance(column), static_cast<float>(kMaxClearance));
+      cell = cell == kObstacle  ? kHit
+             : cell == kOutside ? kMiss
+                                : static_cast<std::uint8_t>(clearance);
     }
   });
 }

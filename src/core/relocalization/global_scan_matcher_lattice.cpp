@@ -65,12 +65,10 @@ void GlobalScanMatcher::buildLattice(const CellRuns& free_cells) {
     const auto positions = std::count(free.begin(), free.end(), 1);
     if (positions * directions_ <= parameters_.search_poses || positions <= 1) break;
   }
+  std::size_t i = 0;
   for (int row = 0; row < height_; ++row) {
-    for (int column = 0; column < width_; ++column) {
-      if (free[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
-               static_cast<std::size_t>(column)] != 0) {
-        positions_.add({column, row});
-      }
+    for (int column = 0; column < width_; ++column, ++i) {
+      if (free[i] != 0) positions_.add({column, row});
     }
   }
 }
@@ -92,12 +90,11 @@ void GlobalScanMatcher::buildCoarseField(const Surfaces& surfaces) {
   std::vector<int> rows;
   rows.reserve(static_cast<std::size_t>(height_));
   for (int row = 0; row < height_; ++row) rows.push_back(middleOf(row, map_.height));
-  const auto fillRow = [&](int map_row, const std::uint32_t* squared) {
-    float* const values = &coarse_field_[coarseIndex({0, map_row / stride_})];
+  const auto fillRow = [&](const DistanceTransform::Row& row) {
+    float* const values = &coarse_field_[coarseIndex({0, row.row / stride_})];
     for (int column = 0; column < width_; ++column) {
-      const std::uint32_t cells = squared[middleOf(column, map_.width)];
-      if (cells == DistanceTransform::kFar) continue;
-      const double spacings = static_cast<double>(std::sqrt(static_cast<float>(cells))) / stride_;
+      const double spacings =
+          static_cast<double>(row.distance(middleOf(column, map_.width))) / stride_;
       values[column] = static_cast<float>(
           std::log((1.0 - kCoarseRandRatio) / (1.0 + spacings * spacings) + kCoarseRandRatio));
     }

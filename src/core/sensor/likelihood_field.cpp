@@ -16,10 +16,8 @@ constexpr double kMaxMargin = 200.0;   // cells
 // Cells at the edge of the field that have the value of the outside; the second one is the right or
 // upper neighbour of the first.
 constexpr int kEdge = 2;
-// Maximum distance of a cell in a blurred wall from a visible surface: twice the thickness of such
-// walls. Smallest inside_wall_factor that is divided by.
-constexpr double kMaxBlurredDepth = 2.6;  // m
-constexpr double kMinFactor = 1e-3;
+// Maximum distance of a cell in a blurred wall from a visible surface.
+constexpr double kMaxBlurredDepth = 2.0 * kMaxBlurredThickness;
 constexpr int kSteps = 255;  // of the stored values
 
 /// Columns and rows of a map, also outside of it: [left, right) x [bottom, top).
@@ -99,9 +97,8 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
     const double cells = distanceOf(value) / geometry.resolution;
     limits[static_cast<std::size_t>(steps)] = cells * cells;
   }
-  const double blurred_reach =
-      std::min(kMaxBlurredDepth / geometry.resolution,
-               std::sqrt(limits[1]) / std::max(kMinFactor, parameters.inside_wall_factor));
+  const double blurred_reach = std::min(kMaxBlurredDepth / geometry.resolution,
+                                        std::sqrt(limits[1]) / parameters.inside_wall_factor);
   const int reach = wholeCells(std::max(std::sqrt(limits[1]), blurred_reach));
   const int margin = wholeCells(
       std::min(kMarginScales * parameters.field_scale / geometry.resolution, kMaxMargin));
@@ -114,18 +111,14 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
   cells_.assign(blurred.size(), 0);
   const DistanceTransform distances(cut(surfaces.visible, geometry, window), window.width(),
                                     window.height(), reach);
-  distances.forEachRow([&](int row, const std::uint32_t* squared) {
-    if (row < kEdge || row >= window.height() - kEdge) return;
-    const std::size_t first = CellIndex(geometry_)({0, row});
+  distances.forEachRow([&](const DistanceTransform::Row& row) {
+    if (row.row < kEdge || row.row >= window.height() - kEdge) return;
     std::size_t steps = 0;
     for (int column = kEdge; column < window.width() - kEdge; ++column) {
-      const std::size_t cell = first + static_cast<std::size_t>(column);
-      if (squared[column] == DistanceTransform::kFar) {
-        steps = 0;
-        continue;
-      }
+      if (row.squared[column] == DistanceTransform::kFar) continue;
+      const std::size_t cell = row.first + static_cast<std::size_t>(column);
       const double factor = blurred[cell] != 0 ? parameters.inside_wall_factor : 1.0;
-      const double distance = factor * factor * squared[column];
+      const double distance = factor * factor * row.squared[column];
       while (steps > 0 && distance > limits[steps]) --steps;
       while (steps < kSteps && distance <= limits[steps + 1]) ++steps;
       cells_[cell] = static_cast<std::uint16_t>(steps);

@@ -32,8 +32,8 @@ Mask randomMask(Random* random) {
 std::vector<std::uint32_t> squaredDistances(const Mask& mask, int max_distance) {
   std::vector<std::uint32_t> all(mask.cells.size());
   DistanceTransform(mask.cells, mask.width, mask.height, max_distance)
-      .forEachRow([&](int row, const std::uint32_t* squared) {
-        std::copy_n(squared, mask.width, all.begin() + row * mask.width);
+      .forEachRow([&](const DistanceTransform::Row& row) {
+        std::copy_n(row.squared, mask.width, all.begin() + static_cast<std::ptrdiff_t>(row.first));
       });
   return all;
 }
@@ -81,8 +81,9 @@ TEST(DistanceTransform, ComputesTheRowsAskedFor) {
   const Mask mask{3, 4, {1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
   const DistanceTransform distances(mask.cells, mask.width, mask.height);
   std::vector<int> rows(4);
-  distances.forRows({1, 3}, [&](int row, const std::uint32_t* squared) {
-    rows[static_cast<std::size_t>(row)] = static_cast<int>(squared[2]);
+  distances.forRows({1, 3}, [&](const DistanceTransform::Row& row) {
+    rows[static_cast<std::size_t>(row.row)] = static_cast<int>(row.squared[2]);
+    EXPECT_FLOAT_EQ(row.distance(2), std::sqrt(static_cast<float>(row.squared[2])));
   });
   EXPECT_EQ(rows, (std::vector<int>{0, 5, 0, 13}));
 }
