@@ -5,6 +5,7 @@
 #include <cstring>
 #include <set>
 
+#include "offline/draft.h"
 #include "support/process.h"
 #include "support/program.h"
 #include "support/room_folder.h"
@@ -137,6 +138,22 @@ TEST_F(ProgramFiles, AnInterruptedReplayLeavesNothing) {
   EXPECT_NE(files(), before) << "the draft of the video";
   EXPECT_EQ(process.interrupt(), -1) << "ended by the signal";
   EXPECT_EQ(files(), before);
+}
+
+TEST_F(ProgramFiles, ASignalAtAnyMomentLeavesNoDraft) {
+  const std::set<std::string> before = files();
+  for (int run = 0; run < 300; ++run) {
+    const pid_t writer = fork();
+    ASSERT_GE(writer, 0);
+    while (writer == 0) Draft draft(path("film.mp4"));
+    while (files() == before) usleep(1);
+    usleep(run);
+    kill(writer, SIGINT);
+    int status = 0;
+    waitpid(writer, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << run;
+    ASSERT_EQ(files(), before) << run;
+  }
 }
 
 TEST_F(ProgramFiles, ADamagedArrayLengthIsFoundByFileTopicAndNumber) {
