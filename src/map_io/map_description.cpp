@@ -111,13 +111,13 @@ bool readNegate(const DescriptionReader& yaml) {
   return false;
 }
 
-MapMode readMode(const DescriptionReader& yaml) {
+MapDescription::Mode readMode(const DescriptionReader& yaml) {
   const std::string expected = "trinary, scale or raw";
   const std::string name = yaml.has("mode") ? yaml.text("mode", expected) : "trinary";
-  if (name == "scale") return MapMode::kScale;
-  if (name == "raw") return MapMode::kRaw;
+  if (name == "scale") return MapDescription::Mode::kScale;
+  if (name == "raw") return MapDescription::Mode::kRaw;
   if (name != "trinary") yaml.reject("mode", expected);
-  return MapMode::kTrinary;
+  return MapDescription::Mode::kTrinary;
 }
 
 }  // namespace

@@ -8,18 +8,18 @@
 
 namespace racecar_mcl {
 
-/// Conversion of pixels to cells, as in map_server.
-enum class MapMode { kTrinary, kScale, kRaw };
-
 /// The content of the YAML file.
 struct MapDescription {
+  /// Conversion of pixels to cells, as in map_server.
+  enum class Mode { kTrinary, kScale, kRaw };
+
   std::filesystem::path image;
   double resolution = 0.0;  ///< m per cell
   Pose2 origin;
   bool negate = false;
   double occupied_threshold = 0.0;
   double free_threshold = 0.0;
-  MapMode mode = MapMode::kTrinary;
+  Mode mode = Mode::kTrinary;
 };
 
 /// Throws MapError, "`what` ...", unless the path is a regular file (no directory, pipe or device).

@@ -64,13 +64,14 @@ cv::Mat readImage(const fs::path& path) {
 /// The cell value of a pixel's mean over its channels (0 to 255), as in map_server.
 std::int8_t cellValue(double brightness, bool transparent, const MapDescription& description) {
   const double value = description.negate ? 255.0 - brightness : brightness;
-  if (description.mode == MapMode::kRaw) {
+  if (description.mode == MapDescription::Mode::kRaw) {
     return value < 101.0 ? static_cast<std::int8_t>(value) : OccupancyGrid::kUnknown;
   }
   const double occupancy = (255.0 - value) / 255.0;
   if (occupancy > description.occupied_threshold) return OccupancyGrid::kOccupied;
   if (occupancy < description.free_threshold) return OccupancyGrid::kFree;
-  if (description.mode == MapMode::kTrinary || transparent) return OccupancyGrid::kUnknown;
+  if (description.mode == MapDescription::Mode::kTrinary || transparent)
+    return OccupancyGrid::kUnknown;
   if (description.free_threshold == description.occupied_threshold) return OccupancyGrid::kUnknown;
   // Linear between the thresholds, from 1 to 99.
   const double ratio = (occupancy - description.free_threshold) /
@@ -96,7 +97,8 @@ OccupancyGrid loadMap(const std::string& yaml_path) {
   // colours.
   const int channels = image.channels();
   const bool has_alpha = channels == 2 || channels == 4;
-  const int averaged = has_alpha && description.mode != MapMode::kTrinary ? channels - 1 : channels;
+  const int averaged =
+      has_alpha && description.mode != MapDescription::Mode::kTrinary ? channels - 1 : channels;
   const double scale = 255.0 / whiteOf(description.image, image);
 
   std::vector<std::int8_t> cells;

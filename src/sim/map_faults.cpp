@@ -30,7 +30,6 @@ constexpr double kDoorGap = 0.9;         // m, in a wall
 constexpr double kMinOpening = 0.6;      // m, of an opening
 constexpr double kMaxOpening = 1.4;      // m
 constexpr double kMinDoorSpacing = 1.5;  // m
-constexpr int kAttempts = 20000;
 
 OccupancyGrid replaced(const OccupancyGrid& map, Cells cells) {
   return OccupancyGrid(map.geometry(), std::move(cells));
@@ -155,7 +154,8 @@ int closeOpenings(const OccupancyGrid& map, int count, Random& random, Cells* ce
   const World world(wallsOnly(map));
   const CellIndex index(map.geometry());
   std::vector<Eigen::Vector2d> doors;
-  for (int attempt = 0; attempt < kAttempts && static_cast<int>(doors.size()) < count; ++attempt) {
+  for (int attempt = 0; attempt < kPlacementAttempts && static_cast<int>(doors.size()) < count;
+       ++attempt) {
     const auto opening = openingAt(world, world.randomFreePoint(random));
     if (!opening) continue;
     const bool apart = std::all_of(doors.begin(), doors.end(), [&](const Eigen::Vector2d& door) {

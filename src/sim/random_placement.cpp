@@ -7,7 +7,6 @@
 namespace racecar_mcl::sim {
 namespace {
 
-constexpr int kAttempts = 20000;
 constexpr double kMaxWallRange = 12.0;        // m
 constexpr double kMaxWallDistance = 0.30;     // m, from the wall to the obstacle's centre
 constexpr double kMinPassage = 1.4;           // m, between the obstacle and the opposite wall
@@ -55,19 +54,20 @@ Obstacle drawObstacle(const Eigen::Vector2d& point, double yaw, Random& random) 
 
 Pose2 randomFreePose(const World& world, const CarParameters& car, Random& random,
                      double clearance) {
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kPlacementAttempts; ++attempt) {
     const Eigen::Vector2d point = world.randomFreePoint(random);
     const Pose2 base_in_map{point.x(), point.y(), wrapAngle(random.uniform(-kPi, kPi))};
     if (!overlaps(base_in_map, car, world, {}, 0.0, clearance)) return base_in_map;
   }
-  throw MapError("the world has no room for the car: " + std::to_string(kAttempts) +
+  throw MapError("the world has no room for the car: " + std::to_string(kPlacementAttempts) +
                  " random poses were not free");
 }
 
 std::vector<Obstacle> placeBoxes(const World& world, int count, const Pose2& keep_clear,
                                  Random& random) {
   std::vector<Obstacle> boxes;
-  for (int attempt = 0; attempt < kAttempts && static_cast<int>(boxes.size()) < count; ++attempt) {
+  for (int attempt = 0; attempt < kPlacementAttempts && static_cast<int>(boxes.size()) < count;
+       ++attempt) {
     const Eigen::Vector2d point = world.randomFreePoint(random);
     const Wall wall = nearestWall(world, point);
     Obstacle box;
@@ -93,7 +93,7 @@ std::vector<Obstacle> scatterObstacles(const World& world, int count, int moving
                                        const Pose2& keep_clear, Random& random,
                                        const std::vector<Obstacle>& others) {
   std::vector<Obstacle> obstacles;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kPlacementAttempts; ++attempt) {
     if (static_cast<int>(obstacles.size()) >= count) return obstacles;
     const bool moves = static_cast<int>(obstacles.size()) < moving;
     const Eigen::Vector2d point = world.randomFreePoint(random);

@@ -8,6 +8,9 @@
 
 namespace racecar_mcl::sim {
 
+/// Places tried at random before there is held to be no room.
+constexpr int kPlacementAttempts = 20000;
+
 /// A pose in free space with `clearance` m around the car. Throws MapError if none was found.
 Pose2 randomFreePose(const World& world, const CarParameters& car, Random& random,
                      double clearance = 0.1);

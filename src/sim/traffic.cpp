@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "racecar_mcl/common/errors.h"
+#include "sim/random_placement.h"
 
 namespace racecar_mcl::sim {
 namespace {
 
-constexpr int kAttempts = 20000;
 constexpr double kAreaPerWalker = 8.0;  // m^2
 constexpr double kMinWalkers = 5.0;
 constexpr double kMaxWalkers = 80.0;
@@ -41,7 +41,7 @@ Pose2 opponentAt(const Pose2& base_in_map, double angle) {
 Crowd::Crowd(const World& world, const Pose2& keep_clear, Random& random) {
   const auto count = static_cast<std::size_t>(
       std::clamp(world.freeArea() / kAreaPerWalker, kMinWalkers, kMaxWalkers));
-  for (int attempt = 0; attempt < kAttempts && walkers_.size() < count; ++attempt) {
+  for (int attempt = 0; attempt < kPlacementAttempts && walkers_.size() < count; ++attempt) {
     const Eigen::Vector2d from = world.randomFreePoint(random);
     const double yaw = random.uniform(-kPi, kPi);
     const double radius = random.uniform(0.12, 0.22);
