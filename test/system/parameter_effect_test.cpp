@@ -145,10 +145,12 @@ const std::vector<Change>& changes() {
       {"expert/clock_jump:=0.6"},
       {"expert/calibration_distance:=10"},
       {"expert/noise_adaptation:=false"},
+      {"expert/slip_compensation:=false"},
       {"expert/beam_layout:=even"},
       {"expert/beam_box_aspect:=4"},
       {"expert/min_beams:=60"},
-      {"expert/stationary_updates:=40"},
+      // A car that the odometry stops at once is held to slip.
+      {"expert/stationary_updates:=40", {"expert/slip_compensation:=false"}},
       {"expert/field_max_range:=4"},
       {"expert/table_width:=150", kBeamModel},
       {"expert/lidar_scale_to_map_scale:=1.2", kBeamModel},

@@ -1,5 +1,4 @@
 // Monte Carlo localization of a car: odometry and scans in, the pose at any time out.
-//
 // Nodelet, offline replay and tests use the same object. It knows no ROS, clock or thread.
 #pragma once
 
@@ -39,9 +38,8 @@ class Localizer {
   /// Throws as ParticleFilter::initialize, and ParameterError if the pose is outside the map.
   void initialize(const PoseEstimate& start);
   void initialize(const PoseEstimate& start, double stamp);
-  /// Starts with an unknown pose: particles are drawn where the next scan matches the map, or
-  /// evenly from the free space if relocalization is off. Without a map it returns false and does
-  /// nothing.
+  /// Starts with an unknown pose: particles are drawn where the next scan matches the map, or if
+  /// relocalization is off evenly from the free space. Without a map, returns false.
   bool initializeGlobally();
   void resumeCalibration(const SensorCalibration& calibration);
 
@@ -84,7 +82,8 @@ class Localizer {
     PreprocessedScan scan;
     std::optional<Scan> mirrored;  ///< the scan deskewed in the opposite acquisition order
     double stamp = 0.0;            ///< s, at which the scan is evaluated
-    Motion motion;                 ///< since the last scan
+    Motion odometry_motion;        ///< since the last scan
+    Motion motion;                 ///< the same, corrected for slip and refined
     PoseEstimate before;           ///< at the last scan
     PoseEstimate predicted;        ///< at `stamp`, without the covariance of the motion
     bool is_refined = false;       ///< `motion` was refined by the lidar odometry
@@ -117,6 +116,7 @@ class Localizer {
   LidarOdometry lidar_odometry_;
   OdometryCalibration calibration_;
   ProcessNoiseAdaptation noise_adaptation_;
+  SlipCompensation slip_compensation_;
   std::vector<LidarState> lidars_;  ///< by Scan::lidar, up to the last that has taken a scan
   HypothesisVerifier verifier_;
   RecoveryPolicy recovery_;

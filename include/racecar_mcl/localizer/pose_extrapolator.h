@@ -10,6 +10,7 @@
 #include "racecar_mcl/localizer/scan_result.h"
 #include "racecar_mcl/motion/calibrated_odometry.h"
 #include "racecar_mcl/motion/motion_model.h"
+#include "racecar_mcl/motion/slip_compensation.h"
 #include "racecar_mcl/scan/scan.h"
 
 namespace racecar_mcl {
@@ -22,7 +23,8 @@ class PoseExtrapolator {
   struct ScanMotion {
     CalibratedOdometry odometry;  ///< over the sweep
     PoseEstimate before;          ///< at the last estimate
-    Motion motion;                ///< since then to `stamp`, calibrated
+    Motion odometry_motion;       ///< since then to `stamp`, calibrated
+    Motion motion;                ///< the same, corrected for slip
     double stamp = 0.0;           ///< s, the scan's evaluationStamp
     /// The newest message is at most max_odometry_gap older than the scan.
     bool odometry_is_new = false;
@@ -69,9 +71,10 @@ class PoseExtrapolator {
   CalibratedOdometry odometryOver(const Scan& scan) const;
   /// The motion up to a scan. Throws std::logic_error before a start.
   ScanMotion beginScan(const Scan& scan);
-  /// Sets the estimate at a scan's stamp, and the corrections of the odometry from then on.
+  /// Sets the estimate at a scan's stamp, and what corrects the odometry from then on.
   void setReference(const PoseEstimate& estimate, double stamp,
-                    const OdometryCalibration& calibration, double noise_scale);
+                    const OdometryCalibration& calibration, double noise_scale,
+                    const SlipCompensation& slip_compensation);
 
  private:
   /// The last estimate and the odometry at its stamp.
@@ -81,7 +84,7 @@ class PoseExtrapolator {
   };
 
   CalibratedOdometry since(const Scan& scan) const;
-  Motion motionTo(double stamp) const;
+  Motion odometryMotionTo(double stamp) const;
   std::optional<double> newest() const;
 
   OdometryParameters parameters_;
@@ -90,6 +93,7 @@ class PoseExtrapolator {
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
   CalibratedOdometry odometry_;
   double noise_scale_ = 1.0;  ///< factor on the standard deviations of the motion noise
+  SlipCompensation slip_compensation_;
   std::optional<Reference> reference_;
   ScanClocks scan_clocks_;
   OdometryCounters counters_;

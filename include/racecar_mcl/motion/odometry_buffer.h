@@ -35,6 +35,8 @@ struct Motion {
   /// Turn (rad) and change of the turn rate (rad/s) of the gyro, not calibrated; none without one.
   std::optional<GyroState> gyro = {};
   bool turned_by_gyro = false;  ///< the yaw of `delta` is the gyro's
+  /// The estimated twist of the car that replaces the odometry's, if any (SlipCompensation).
+  std::optional<Twist2> compensation = {};
 };
 
 /// Dead reckoning since the first message; the difference of two states is a Motion.

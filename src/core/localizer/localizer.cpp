@@ -24,8 +24,14 @@ constexpr double kSurfaceSigma = 0.1;
 constexpr double kDecorrelationPerOutlierRatio = 1.5;
 
 /// The motion of a scan's beams: the car's pose at a time after the scan's `stamp`, in its frame at
-/// the stamp `from` (s). The odometry must outlive the function.
-BaseAfter baseAfter(const CalibratedOdometry& odometry, double stamp, double from) {
+/// the stamp `from` (s): the odometry's, which must outlive the function, if there is no other.
+BaseAfter baseAfter(const CalibratedOdometry& odometry, double stamp, double from,
+                    const std::optional<Twist2>& compensation = {}) {
+  if (compensation) {
+    return [twist = *compensation, stamp, from](double seconds) {
+      return integrate(twist, stamp + seconds - from);
+    };
+  }
   return [&odometry, stamp, origin = odometry.at(from)](double seconds) {
     return odometry.motion(origin, stamp + seconds).delta;
   };
@@ -108,7 +114,8 @@ void Localizer::run(const Scan& scan, ScanResult* result) {
   if (result->update.weights_vanished) result->outcome = ScanOutcome::kWeightsVanished;
   monitor(step, estimate, result);
   learn(step, *result);
-  extrapolator_.setReference(estimate, step.stamp, calibration_, noise_adaptation_.noiseScale());
+  extrapolator_.setReference(estimate, step.stamp, calibration_, noise_adaptation_.noiseScale(),
+                             slip_compensation_);
 }
 
 Scan Localizer::correctedScan(const Scan& scan, int count) const {
@@ -124,7 +131,8 @@ Scan Localizer::correctedScan(const Scan& scan, int count) const {
 
 Localizer::Step Localizer::preprocess(const Scan& selected) {
   const PoseExtrapolator::ScanMotion motion = extrapolator_.beginScan(selected);
-  const BaseAfter base_after = baseAfter(motion.odometry, selected.stamp, motion.stamp);
+  const BaseAfter base_after =
+      baseAfter(motion.odometry, selected.stamp, motion.stamp, motion.motion.compensation);
   const LidarState& lidar = lidarAt(selected.lidar);
   Step step;
   step.stamp = motion.stamp;
@@ -133,6 +141,7 @@ Localizer::Step Localizer::preprocess(const Scan& selected) {
   if (lidar.direction.needsComparison(step.scan.turned)) {
     step.mirrored = deskew(mirroredInTime(step.scan.sweep), base_after);
   }
+  step.odometry_motion = motion.odometry_motion;
   step.motion = motion.motion;
   step.before = motion.before;
   step.predicted = propagate(step.before, step.motion.delta, Eigen::Matrix3d::Zero());

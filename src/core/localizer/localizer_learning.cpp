@@ -15,7 +15,9 @@ constexpr double kMinInlierRatioForAdaptation = 0.9;
 }  // namespace
 
 void Localizer::monitor(const Step& step, const PoseEstimate& estimate, ScanResult* result) {
-  const Pose2 correction = between(step.predicted.base_in_map, estimate.base_in_map);
+  // Of the odometry, or of the motion that scan matching refined.
+  const Pose2& delta = step.is_refined ? step.motion.delta : step.odometry_motion.delta;
+  const Pose2 correction = between(compose(step.before.base_in_map, delta), estimate.base_in_map);
   result->match = match_evaluator_.evaluate(map_->view(), estimate.base_in_map, step.scan.beams);
   MonitorInput input;
   input.stamp = result->stamp;
@@ -41,11 +43,18 @@ void Localizer::learn(const Step& step, const ScanResult& result) {
   const Pose2& estimate = result.update.estimate.base_in_map;
   if (step.jumped || !filter_.converged()) {
     noise_adaptation_.reset();
+    slip_compensation_.reset();
     lidar_odometry_.reset();
     calibration_.restart();
     return;
   }
-  if (!parameters_.noise_adaptation || result.status.inlier_ratio < kMinInlierRatioForAdaptation) {
+  if (parameters_.slip_compensation) {
+    slip_compensation_.learn(step.odometry_motion, between(step.before.base_in_map, estimate));
+  } else {
+    slip_compensation_.reset();
+  }
+  if (!parameters_.noise_adaptation || step.motion.compensation ||
+      result.status.inlier_ratio < kMinInlierRatioForAdaptation) {
     noise_adaptation_.reset();
   } else {
     Motion motion = step.motion;
@@ -56,7 +65,9 @@ void Localizer::learn(const Step& step, const ScanResult& result) {
   if (parameters_.lidar_odometry && !step.is_refined) {
     lidar_odometry_.remember(step.scan.beams, estimate);
   }
-  if (result.status.state == LocalizationState::kLocalized) calibrate(step, estimate, travelled);
+  if (result.status.state == LocalizationState::kLocalized && !step.motion.compensation) {
+    calibrate(step, estimate, travelled);
+  }
 }
 
 void Localizer::calibrate(const Step& step, const Pose2& estimate, double travelled) {

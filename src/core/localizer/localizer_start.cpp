@@ -96,6 +96,7 @@ void Localizer::restartTracking() {
   scans_since_stop_ = 0;
   monitor_.reset();
   noise_adaptation_.reset();
+  slip_compensation_.reset();
   for (LidarState& lidar : lidars_) lidar.direction.reset();
   recovery_.reset();
   verifier_.stop();

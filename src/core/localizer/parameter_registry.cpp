@@ -40,6 +40,7 @@ void forEachExpertParameter(Parameters& p, const Visit& visit) {
   visit("clock_jump", p.odometry.clock_jump);
   visit("calibration_distance", p.calibration.calibration_distance);
   visit("noise_adaptation", p.noise_adaptation);
+  visit("slip_compensation", p.slip_compensation);
 
   visit("beam_layout", p.scan.beam_layout);
   visit("beam_box_aspect", p.scan.beam_box_aspect);

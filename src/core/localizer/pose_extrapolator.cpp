@@ -77,7 +77,7 @@ bool PoseExtrapolator::covers(double stamp) const {
          newest < stamp - kOdometryTimeout;
 }
 
-Motion PoseExtrapolator::motionTo(double stamp) const {
+Motion PoseExtrapolator::odometryMotionTo(double stamp) const {
   Motion motion = odometry_.motion(reference_->origin, stamp);
   motion.noise_scale = noise_scale_;
   return motion;
@@ -86,7 +86,10 @@ Motion PoseExtrapolator::motionTo(double stamp) const {
 std::optional<PoseEstimate> PoseExtrapolator::estimateAt(double stamp) const {
   const Lock lock(*mutex_);
   if (!reference_) return std::nullopt;
-  const Motion motion = motionTo(stamp);
+  Motion motion = odometryMotionTo(stamp);
+  if (slip_compensation_.isActive()) {
+    motion = slip_compensation_.correct(motion, motion_parameters_);
+  }
   return propagate(reference_->estimate, motion.delta,
                    motionCovariance(motion_parameters_, motion));
 }
@@ -131,6 +134,7 @@ void PoseExtrapolator::reset(const PoseEstimate& estimate, const OdometryCalibra
   const Lock lock(*mutex_);
   odometry_.setCalibration(calibration);
   noise_scale_ = 1.0;
+  slip_compensation_.reset();
   reference_ = Reference{estimate, odometry_.at(newest().value_or(0.0))};
 }
 
@@ -185,7 +189,8 @@ PoseExtrapolator::ScanMotion PoseExtrapolator::beginScan(const Scan& scan) {
   scan_clocks_.recordUsed(scan.stamp, scan.lidar);
   motion.odometry = since(scan);
   motion.before = reference_->estimate;
-  motion.motion = motionTo(motion.stamp);
+  motion.odometry_motion = odometryMotionTo(motion.stamp);
+  motion.motion = slip_compensation_.correct(motion.odometry_motion, motion_parameters_);
   motion.odometry_is_new =
       !odometry_.odometry().empty() &&
       motion.stamp - odometry_.odometry().newestStamp() <= parameters_.max_odometry_gap;
@@ -193,10 +198,12 @@ PoseExtrapolator::ScanMotion PoseExtrapolator::beginScan(const Scan& scan) {
 }
 
 void PoseExtrapolator::setReference(const PoseEstimate& estimate, double stamp,
-                                    const OdometryCalibration& calibration, double noise_scale) {
+                                    const OdometryCalibration& calibration, double noise_scale,
+                                    const SlipCompensation& slip_compensation) {
   const Lock lock(*mutex_);
   odometry_.setCalibration(calibration);
   noise_scale_ = noise_scale;
+  slip_compensation_ = slip_compensation;
   reference_ = Reference{estimate, odometry_.at(stamp)};
 }
 

@@ -67,6 +67,7 @@ TEST_F(LocalizerTest, EachComponentFollowsChangedParameters) {
   changed.scan_direction = ScanDirectionFrom::kReversed;
   changed.protection.integrity_risk = 1e-6;
   changed.odometry.max_odometry_extrapolation = 0.0;
+  changed.slip_compensation = false;  // extrapolates at the estimated speed
   localizer.setParameters(changed, localizer.map());
   EXPECT_TRUE(localizer.sensorCalibration().lidars.at(0).scan_reversed);
   ScanResult last;

@@ -67,7 +67,7 @@ TEST_F(PoseExtrapolatorTest, AnEstimateAppliesAtItsOwnTime) {
   odometryUpTo(11.0);
   extrapolator_.reset(at(0.0), OdometryCalibration{});
   odometryUpTo(12.0);  // while the scan of 11.5 s is being used
-  extrapolator_.setReference(at(1.1), 11.5, OdometryCalibration{}, 1.0);
+  extrapolator_.setReference(at(1.1), 11.5, OdometryCalibration{}, 1.0, {});
   expectNear(extrapolator_.estimateAt(12.0)->base_in_map, {2.1, 0.0, 0.0}, 1e-9, 1e-9);
   EXPECT_EQ(extrapolator_.lastEstimate()->base_in_map.x, 1.1);
 }
@@ -75,10 +75,27 @@ TEST_F(PoseExtrapolatorTest, AnEstimateAppliesAtItsOwnTime) {
 TEST_F(PoseExtrapolatorTest, TheCovarianceGrowsWithTheNoiseScale) {
   odometryUpTo(11.0);
   const auto varianceWith = [&](double noise_scale) {
-    extrapolator_.setReference(at(0.0), 10.5, OdometryCalibration{}, noise_scale);
+    extrapolator_.setReference(at(0.0), 10.5, OdometryCalibration{}, noise_scale, {});
     return extrapolator_.estimateAt(11.0)->covariance(0, 0) - 1e-4;
   };
   EXPECT_NEAR(varianceWith(3.0), 9.0 * varianceWith(1.0), 1e-9);
+}
+
+TEST_F(PoseExtrapolatorTest, ThePoseContinuesAtTheSpeedOfTheCarWhereTheOdometryIsFrozen) {
+  odometryUpTo(11.0);
+  extrapolator_.reset(at(0.0), OdometryCalibration{});
+  Motion frozen;
+  frozen.duration = 0.025;
+  SlipCompensation slip;
+  Motion right = frozen;
+  right.delta.x = 3.0 * right.duration;
+  for (int scan = 0; scan < 40; ++scan) slip.learn(right, right.delta);
+  extrapolator_.setReference(at(0.0), 11.0, OdometryCalibration{}, 1.0, slip);
+  EXPECT_NEAR(extrapolator_.estimateAt(11.05)->base_in_map.x, 0.1, 1e-9) << "odometry of 2 m/s";
+  slip.learn(frozen, right.delta);
+  extrapolator_.setReference(at(0.0), 11.0, OdometryCalibration{}, 1.0, slip);
+  EXPECT_GT(extrapolator_.estimateAt(11.05)->base_in_map.x, 0.1);
+  EXPECT_GT(extrapolator_.beginScan(scanAt(11.05)).motion.delta.x, 0.1);
 }
 
 TEST_F(PoseExtrapolatorTest, AScanWaitsForOdometryThatIsArriving) {

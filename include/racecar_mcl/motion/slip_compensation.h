@@ -1,0 +1,53 @@
+// The car's motion while the odometry's speed is not the car's: locked or spinning wheels, a failed
+// encoder.
+#pragma once
+
+#include <optional>
+
+#include "racecar_mcl/motion/motion_model.h"
+
+namespace racecar_mcl {
+
+/// Estimates the car's speed and turn rate from the estimates by scans and from changes of the
+/// odometry's speed that tyres allow. While the odometry's speed differs from it, motions continue
+/// at the estimated speed; their covariance includes the odometry's motion (docs/maths.md).
+class SlipCompensation {
+ public:
+  /// The motion since the last scan: the odometry's, or one at the estimated speed and turn rate,
+  /// with its `compensation` and covariance.
+  Motion correct(const Motion& odometry, const MotionModelParameters& parameters) const;
+
+  /// Learns from one scan. `odometry`: the odometry's motion since the last scan; `moved`: the
+  /// motion from the last estimate to this one.
+  void learn(const Motion& odometry, const Pose2& moved);
+
+  /// Whether the motion to the last scan was compensated.
+  bool isActive() const { return is_active_; }
+
+  void reset() { *this = SlipCompensation(); }
+
+ private:
+  /// Sums over a time.
+  struct Path {
+    double seconds = 0.0;
+    double odometry = 0.0;  ///< m along the car, by the odometry
+    double moved = 0.0;     ///< m along the car, by the estimates
+    double turned = 0.0;    ///< rad, by the estimates
+  };
+  struct State {
+    double speed = 0.0;           ///< m/s, of the car
+    double turn_rate = 0.0;       ///< rad/s, of the car
+    double odometry_speed = 0.0;  ///< m/s
+  };
+
+  Path pathWith(const Motion& odometry) const;
+  double expectedSpeed(const Path& path) const;
+  /// The car's speed (m/s) if the odometry's is not; else none.
+  std::optional<double> replacedSpeed(const Motion& odometry) const;
+
+  std::optional<State> state_;  ///< at the last update; none before the first
+  Path path_;                   ///< since then
+  bool is_active_ = false;
+};
+
+}  // namespace racecar_mcl
