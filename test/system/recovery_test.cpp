@@ -15,7 +15,7 @@ class RecoveryTest : public ::testing::TestWithParam<const char*> {
   SimulatedDrive localizedDrive(std::uint64_t seed) const {
     Random random(seed);
     const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
-    SimulatedDrive drive(course_, parameters_, {}, pose, 3.0, seed);
+    SimulatedDrive drive(course_, parameters_, simulator_, pose, 3.0, seed);
     PoseEstimate start{pose, Eigen::Matrix3d::Zero()};
     start.covariance.diagonal() << 0.01, 0.01, 0.0025;
     drive.localizer().initialize(start);
@@ -30,6 +30,7 @@ class RecoveryTest : public ::testing::TestWithParam<const char*> {
   }
 
   LocalizerParameters parameters_;
+  sim::SimulatorParameters simulator_;
   Course course_ =
       loadCourse(std::string(RACECAR_MCL_SOURCE_DIR "/maps/") + GetParam() + ".yaml", parameters_);
 };
@@ -122,7 +123,12 @@ TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsFrozen) {
     EXPECT_NE(drive.localizer().status().state, LocalizationState::kLocalized);
     return greatest;
   };
-  for (std::uint64_t seed = 2; seed < 5; ++seed) EXPECT_LT(greatestError(seed), 0.15) << seed;
+  for (const double rate : {10.0, 40.0}) {
+    simulator_.lidar.rate = rate;
+    for (std::uint64_t seed = 2; seed < 5; ++seed) {
+      EXPECT_LT(greatestError(seed), 0.15) << rate << " Hz, " << seed;
+    }
+  }
   parameters_.slip_compensation = false;
   EXPECT_GT(greatestError(2), 1.0);
 }
