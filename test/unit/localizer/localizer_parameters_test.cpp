@@ -81,6 +81,28 @@ TEST_F(LocalizerTest, EachComponentFollowsChangedParameters) {
             localizer.estimateAt(newest)->base_in_map.x);
 }
 
+TEST_F(LocalizerTest, TheSensorModelFollowsChangedParameters) {
+  const auto estimateWith = [this](double effective_beams) {
+    Localizer localizer = started();
+    LocalizerParameters changed = fewBeams();
+    changed.effective_beams = effective_beams;
+    localizer.setParameters(changed, map(changed));
+    drive(&localizer, 0.0, 0.5);
+    return *localizer.estimateAt(start_ + 0.5);
+  };
+  EXPECT_GT(estimateWith(5.0).covariance.trace(), 1.2 * estimateWith(40.0).covariance.trace());
+}
+
+TEST_F(LocalizerTest, TheLeastNumberOfBeamsIsAParameter) {
+  LocalizerParameters parameters = fewBeams();
+  Scan scan = scanAt(start_ + kScanPeriod);
+  scan.ranges.tail(scan.size() - 30).setConstant(static_cast<float>(kNan));
+  parameters.scan.min_beams = 30;
+  EXPECT_EQ(started(parameters).update(scan).outcome, ScanOutcome::kUsed);
+  parameters.scan.min_beams = 31;
+  EXPECT_EQ(started(parameters).update(scan).outcome, ScanOutcome::kTooFewBeams);
+}
+
 TEST_F(LocalizerTest, TheAcquisitionOrderOfTheBeamsIsAParameter) {
   LocalizerParameters parameters = fewBeams();
   EXPECT_FALSE(started(parameters).sensorCalibration().lidars.at(0).scan_reversed);

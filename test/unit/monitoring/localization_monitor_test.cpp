@@ -112,6 +112,14 @@ TEST_F(LocalizationMonitorTest, AveragesInliersAndConflictOverTheParameter) {
   }
 }
 
+TEST_F(LocalizationMonitorTest, AveragesOverTheTimeBetweenScans) {
+  after(1.0);
+  setMatch(0.2);
+  input_.stamp += 10.0;
+  monitor_.update(input_);
+  EXPECT_NEAR(monitor_.status().inlier_ratio, 0.2, 0.01);
+}
+
 TEST_F(LocalizationMonitorTest, IsLostAboveTheConflictOfTheParameter) {
   for (const double limit : {0.2, 0.6}) {
     LocalizationMonitorParameters parameters;

@@ -126,5 +126,17 @@ TEST_F(CalibratedOdometryTest, TurnsHaveADelayOfTheirOwn) {
   EXPECT_EQ(odometry_.at(1.0).odometry.distance, distance);
 }
 
+TEST(CalibratedOdometry, SpeedsAreThoseOfTheDelayBefore) {
+  constexpr double kDelay = 0.05;  // s
+  CalibratedOdometry odometry;
+  for (double t = 0.01; t < 2.0; t += 0.01) {
+    odometry.add(OdometrySample{t, {t - 0.005 - kDelay, 0.0, 0.0}, {}});  // accelerates by 1 m/s^2
+  }
+  OdometryCalibration calibration;
+  calibration.resume({1.0, kDelay, {}});
+  odometry.setCalibration(calibration);
+  EXPECT_NEAR(odometry.motion(odometry.at(1.0), 1.1).delta.x, 0.105, 1e-4);
+}
+
 }  // namespace
 }  // namespace racecar_mcl

@@ -174,5 +174,25 @@ TEST(OdometryCalibration, RejectsInvalidDistances) {
   EXPECT_NO_THROW(validate(OdometryCalibrationParameters{0.0}));
 }
 
+TEST(OdometryCalibration, TheGyroIsNotCalibratedIfDisabled) {
+  const auto turnByAGyroThatIsFivePercentShort = [](double distance) {
+    OdometryCalibration calibration({distance});
+    Motion motion;
+    motion.distance = motion.delta.x = 0.075;
+    motion.duration = 0.025;
+    Motion probe = motion;
+    probe.gyro = {1.0, 0.0};
+    for (int scan = 0; scan < 400; ++scan) {
+      const double turn = 0.05 * std::sin(0.2 * scan);
+      motion.gyro = {turn, 0.0};
+      motion.turn = motion.delta.yaw = 0.5 * turn;
+      calibration.learn(motion, {0.0, 0.0, 1.05 * turn - motion.delta.yaw});
+    }
+    return calibration.gyro().turnOf(probe);
+  };
+  EXPECT_GT(turnByAGyroThatIsFivePercentShort(100.0), 1.01);
+  EXPECT_DOUBLE_EQ(turnByAGyroThatIsFivePercentShort(0.0), 1.0) << "off";
+}
+
 }  // namespace
 }  // namespace racecar_mcl

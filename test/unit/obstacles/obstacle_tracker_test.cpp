@@ -175,5 +175,21 @@ TEST_F(ObstacleTrackerTest, FollowsAChangeOfTheVelocityByTheAccelerationNoise) {
   EXPECT_GT(speedAfterAStop(0.001), 0.35);
 }
 
+TEST_F(ObstacleTrackerTest, AllowsForTheUncertaintyOfThePose) {
+  const auto idOfADistantCluster = [&](double sigma) {
+    tracker_ = ObstacleTracker();
+    const Tracks before = track(0.5, [&](double) { return Clusters{clusterAt(1.0, 1.0)}; });
+    ObstacleCluster distant = clusterAt(1.6, 1.0);
+    distant.covariance = sigma * sigma * Eigen::Matrix2d::Identity();
+    Tracks tracks;
+    for (int scan = 0; scan < 5; ++scan) {
+      tracks = tracker_.update({distant}, 100.5 + kPeriod * scan);
+    }
+    return tracks.back().id - before.front().id;
+  };
+  EXPECT_NE(idOfADistantCluster(0.01), 0) << "another obstacle";
+  EXPECT_EQ(idOfADistantCluster(0.3), 0) << "the same, from another pose";
+}
+
 }  // namespace
 }  // namespace racecar_mcl
