@@ -17,6 +17,13 @@ TEST(LocalizationMap, HasNoLikelihoodFieldForAnotherSensorModel) {
   EXPECT_THROW(makeSensorModel(*map, SensorParameters{}), std::invalid_argument);
 }
 
+TEST(LocalizationMap, TheSensorModelCastsByTheRangeMethod) {
+  SensorParameters parameters = sensor(beamModel());
+  const auto map = makeLocalizationMap(asciiMap(kRoom, 0.1), parameters);
+  parameters.caster.range_method = "sonar";
+  EXPECT_THROW(makeSensorModel(*map, parameters), ParameterError);
+}
+
 TEST(LocalizationMap, RejectsAMapWithoutFreeCells) {
   for (const char* drawing : {"###", "???", "#?#"}) {
     EXPECT_THROW(makeLocalizationMap(asciiMap(drawing, 0.1), sensor(beamModel())), MapError);

@@ -17,10 +17,11 @@ class LocalizerDistanceFilterTest : public LocalizerTest {
   }
 
   /// The result of that scan after a drive of 1 s without obstacles.
-  ScanResult meet(int beams, bool reject) const {
+  ScanResult meet(int beams, bool reject, int min_beams = 10) const {
     LocalizerParameters parameters = fewBeams();
     parameters.scan.beam_layout = BeamLayout::kEven;
     parameters.distance_filter = reject;
+    parameters.scan.min_beams = min_beams;
     Localizer localizer = started(parameters);
     drive(&localizer, 0.0, 1.0,
           [&](const ScanResult& result) { EXPECT_EQ(result.update.beams, 40) << "no obstacle"; });
@@ -41,6 +42,11 @@ TEST_F(LocalizerDistanceFilterTest, AreRejectedWhileLocalizedButStillMonitored) 
 
 TEST_F(LocalizerDistanceFilterTest, AreAllUsedIfMostBeamsAreShort) {
   EXPECT_EQ(meet(120, true).update.beams, 40);
+}
+
+TEST_F(LocalizerDistanceFilterTest, AreAllUsedIfFewerThanTheLeastNumberRemain) {
+  EXPECT_EQ(meet(27, true, 34).update.beams, 34);
+  EXPECT_EQ(meet(27, true, 35).update.beams, 40);
 }
 
 TEST_F(LocalizerDistanceFilterTest, AreUsedUntilLocalized) {

@@ -216,5 +216,20 @@ TEST_F(LocalizerTest, ReportsTheDisagreementOfScansAndOdometry) {
   EXPECT_GT(disagreementWith(0.8), 0.1);
 }
 
+TEST_F(LocalizerTest, TheCovarianceIncludesTheErrorOfTheSurfaces) {
+  LocalizerParameters parameters = fewBeams();
+  parameters.motion.deterministic = true;
+  parameters.filter.regularization_updates = 0;
+  Localizer localizer(parameters, 1);
+  localizer.setMap(map(parameters));
+  localizer.addOdometry(odometryAt(start_));
+  localizer.initialize(startAt(start_pose_, 0.0));
+  drive(&localizer, 0.0, 0.1);
+  const Eigen::Matrix3d covariance = localizer.estimateAt(start_ + 0.1)->covariance;
+  const double sigma = 0.1 * localizer.map()->grid.geometry().resolution;
+  EXPECT_NEAR(covariance(0, 0), sigma * sigma, 1e-7);
+  EXPECT_NEAR(covariance(1, 1), sigma * sigma, 1e-7);
+}
+
 }  // namespace
 }  // namespace racecar_mcl
