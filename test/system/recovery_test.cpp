@@ -68,7 +68,7 @@ TEST_P(RecoveryTest, StaysLostWhereItIsNotToSearch) {
   parameters_.relocalization = Relocalization::kStart;
   SimulatedDrive drive = localizedDrive(2);
   kidnap(&drive, 2);
-  drive.drive(1.0, [](const Observation&) {});
+  drive.drive(3.0, [](const Observation&) {});
   EXPECT_NE(drive.localizer().status().state, LocalizationState::kLocalized);
   EXPECT_EQ(drive.localizer().counters().recoveries, 0u);
 }
