@@ -8,7 +8,7 @@
 
 namespace racecar_mcl::sim {
 
-/// Places tried at random before there is held to be no room.
+/// Number of random places that are tried before a placement is given up.
 constexpr int kPlacementAttempts = 20000;
 
 /// A pose in free space with `clearance` m around the car. Throws MapError if none was found.
