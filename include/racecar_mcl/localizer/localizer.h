@@ -38,15 +38,15 @@ class Localizer {
   /// Throws as ParticleFilter::initialize, and ParameterError if the pose is outside the map.
   void initialize(const PoseEstimate& start);
   void initialize(const PoseEstimate& start, double stamp);
-  /// Starts with an unknown pose: particles are drawn where the next scan matches the map, or if
-  /// relocalization is off evenly from the free space. Without a map, returns false.
+  /// Starts with an unknown pose: particles are drawn where the next scan matches the map, or
+  /// evenly from the free space if relocalization is off. Without a map it does nothing and returns
+  /// false.
   bool initializeGlobally();
   void resumeCalibration(const SensorCalibration& calibration);
 
   /// One step of Monte Carlo localization. If a step throws, the scan is dropped, the particles are
   /// drawn again from the last estimate, and the exception is rethrown.
   ScanResult update(const Scan& scan);
-
   /// The next stationary_updates scans are used even if the car is stationary.
   void requestUpdate() { scans_since_stop_ = 0; }
   // Thread-safe; see PoseExtrapolator.

@@ -21,7 +21,7 @@ class PoseExtrapolator {
  public:
   /// A copy of the odometry that the processing of one scan needs.
   struct ScanMotion {
-    CalibratedOdometry odometry;  ///< over the sweep
+    CalibratedOdometry odometry;  ///< over the sweep, corrected for slip
     PoseEstimate before;          ///< at the last estimate
     Motion odometry_motion;       ///< since then to `stamp`, calibrated
     Motion motion;                ///< the same, corrected for slip
@@ -50,7 +50,7 @@ class PoseExtrapolator {
   std::optional<double> newestStamp() const;
   /// s, a scan's stamp minus that of the newest odometry; 0 before the first message.
   double odometryLag(double stamp) const;
-  /// The newest odometry twist; zero before the first.
+  /// The newest odometry twist, or the one that replaces it; zero before the first.
   Twist2 twist() const;
   OdometryCounters counters() const;
 
@@ -67,7 +67,8 @@ class PoseExtrapolator {
   ScanOutcome checkStamp(double stamp, int lidar = 0);
   /// As ScanClocks::evaluationStamp.
   double evaluationStamp(double stamp) const;
-  /// A copy of the odometry over the sweep of a scan, in either acquisition order.
+  /// A copy of the odometry over the sweep of a scan, in either acquisition order, corrected for
+  /// slip.
   CalibratedOdometry odometryOver(const Scan& scan) const;
   /// The motion up to a scan. Throws std::logic_error before a start.
   ScanMotion beginScan(const Scan& scan);

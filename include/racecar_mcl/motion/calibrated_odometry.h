@@ -1,6 +1,8 @@
 // Odometry and gyro with their calibration: the car's corrected motion between any two times.
 #pragma once
 
+#include <optional>
+
 #include "racecar_mcl/motion/gyro_buffer.h"
 #include "racecar_mcl/motion/odometry_buffer.h"
 #include "racecar_mcl/motion/odometry_calibration.h"
@@ -35,6 +37,9 @@ class CalibratedOdometry {
   const OdometryCalibration& calibration() const { return calibration_; }
   void setCalibration(const OdometryCalibration& calibration) { calibration_ = calibration; }
 
+  /// Motions have this constant twist instead of the odometry's, if given.
+  void replaceTwist(const std::optional<Twist2>& twist) { twist_ = twist; }
+
   /// The state at a time, corrected for the delays.
   MotionOrigin at(double stamp) const;
   /// The corrected motion from an origin to a time; the origin may be the later one.
@@ -47,6 +52,7 @@ class CalibratedOdometry {
   OdometryBuffer odometry_;
   GyroBuffer gyro_;
   OdometryCalibration calibration_;
+  std::optional<Twist2> twist_;
 };
 
 }  // namespace racecar_mcl

@@ -14,15 +14,15 @@ namespace racecar_mcl {
 class SlipCompensation {
  public:
   /// The motion since the last scan: the odometry's, or one at the estimated speed and turn rate,
-  /// with its `compensation` and covariance.
+  /// with its `compensation` and covariance. A motion over no time gets only the `compensation`.
   Motion correct(const Motion& odometry, const MotionModelParameters& parameters) const;
 
   /// Learns from one scan. `odometry`: the odometry's motion since the last scan; `moved`: the
   /// motion from the last estimate to this one.
   void learn(const Motion& odometry, const Pose2& moved);
 
-  /// Whether the motion to the last scan was compensated.
-  bool isActive() const { return is_active_; }
+  /// The estimated twist, if the motion to the last scan was compensated.
+  std::optional<Twist2> twist() const;
 
   void reset() { *this = SlipCompensation(); }
 
@@ -41,11 +41,12 @@ class SlipCompensation {
   };
 
   Path pathWith(const Motion& odometry) const;
+  /// The speed (m/s) of a car of which the odometry follows the path.
   double expectedSpeed(const Path& path) const;
   /// The car's speed (m/s) if the odometry's is not; else none.
   std::optional<double> replacedSpeed(const Motion& odometry) const;
 
-  std::optional<State> state_;  ///< at the last update; none before the first
+  std::optional<State> state_;  ///< at the last update; none before the first and after a long gap
   Path path_;                   ///< since then
   bool is_active_ = false;
 };

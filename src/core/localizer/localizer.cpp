@@ -24,14 +24,8 @@ constexpr double kSurfaceSigma = 0.1;
 constexpr double kDecorrelationPerOutlierRatio = 1.5;
 
 /// The motion of a scan's beams: the car's pose at a time after the scan's `stamp`, in its frame at
-/// the stamp `from` (s): the odometry's, which must outlive the function, if there is no other.
-BaseAfter baseAfter(const CalibratedOdometry& odometry, double stamp, double from,
-                    const std::optional<Twist2>& compensation = {}) {
-  if (compensation) {
-    return [twist = *compensation, stamp, from](double seconds) {
-      return integrate(twist, stamp + seconds - from);
-    };
-  }
+/// the stamp `from` (s). The odometry must outlive the function.
+BaseAfter baseAfter(const CalibratedOdometry& odometry, double stamp, double from) {
   return [&odometry, stamp, origin = odometry.at(from)](double seconds) {
     return odometry.motion(origin, stamp + seconds).delta;
   };
@@ -131,8 +125,7 @@ Scan Localizer::correctedScan(const Scan& scan, int count) const {
 
 Localizer::Step Localizer::preprocess(const Scan& selected) {
   const PoseExtrapolator::ScanMotion motion = extrapolator_.beginScan(selected);
-  const BaseAfter base_after =
-      baseAfter(motion.odometry, selected.stamp, motion.stamp, motion.motion.compensation);
+  const BaseAfter base_after = baseAfter(motion.odometry, selected.stamp, motion.stamp);
   const LidarState& lidar = lidarAt(selected.lidar);
   Step step;
   step.stamp = motion.stamp;
@@ -145,9 +138,9 @@ Localizer::Step Localizer::preprocess(const Scan& selected) {
   step.motion = motion.motion;
   step.before = motion.before;
   step.predicted = propagate(step.before, step.motion.delta, Eigen::Matrix3d::Zero());
-  // Without recent odometry, or if scans contradict the pose, the car may be moving.
-  const bool is_stationary =
-      motion.odometry_is_new && !recovery_.inConflict() && isStationary(step.motion);
+  // Without recent or right odometry, or if scans contradict the pose, the car may be moving.
+  const bool is_stationary = motion.odometry_is_new && !recovery_.inConflict() &&
+                             !step.motion.compensation && isStationary(step.motion);
   // A scan at the stamp of another lidar's does not show whether the car moves.
   if (step.motion.duration != 0.0) scans_since_stop_ = is_stationary ? scans_since_stop_ + 1 : 0;
   step.is_stationary = !global_start_pending_ && scans_since_stop_ > parameters_.stationary_updates;

@@ -87,7 +87,7 @@ std::optional<PoseEstimate> PoseExtrapolator::estimateAt(double stamp) const {
   const Lock lock(*mutex_);
   if (!reference_) return std::nullopt;
   Motion motion = odometryMotionTo(stamp);
-  if (slip_compensation_.isActive()) {
+  if (slip_compensation_.twist()) {
     motion = slip_compensation_.correct(motion, motion_parameters_);
   }
   return propagate(reference_->estimate, motion.delta,
@@ -122,7 +122,9 @@ PoseEstimate PoseExtrapolator::moveToNewest(const PoseEstimate& estimate, double
 
 Twist2 PoseExtrapolator::twist() const {
   const Lock lock(*mutex_);
-  return odometry_.odometry().empty() ? Twist2{} : odometry_.odometry().newestTwist();
+  const Twist2 newest =
+      odometry_.odometry().empty() ? Twist2{} : odometry_.odometry().newestTwist();
+  return slip_compensation_.twist().value_or(newest);
 }
 
 OdometryCounters PoseExtrapolator::counters() const {
@@ -173,7 +175,9 @@ double PoseExtrapolator::evaluationStamp(double stamp) const {
 
 CalibratedOdometry PoseExtrapolator::odometryOver(const Scan& scan) const {
   const Lock lock(*mutex_);
-  return since(scan);
+  CalibratedOdometry odometry = since(scan);
+  odometry.replaceTwist(slip_compensation_.twist());
+  return odometry;
 }
 
 CalibratedOdometry PoseExtrapolator::since(const Scan& scan) const {
@@ -191,6 +195,7 @@ PoseExtrapolator::ScanMotion PoseExtrapolator::beginScan(const Scan& scan) {
   motion.before = reference_->estimate;
   motion.odometry_motion = odometryMotionTo(motion.stamp);
   motion.motion = slip_compensation_.correct(motion.odometry_motion, motion_parameters_);
+  motion.odometry.replaceTwist(motion.motion.compensation);
   motion.odometry_is_new =
       !odometry_.odometry().empty() &&
       motion.stamp - odometry_.odometry().newestStamp() <= parameters_.max_odometry_gap;

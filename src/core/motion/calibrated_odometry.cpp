@@ -26,6 +26,10 @@ MotionOrigin CalibratedOdometry::at(double stamp) const {
 Motion CalibratedOdometry::motion(const MotionOrigin& from, double stamp) const {
   Motion motion = motionBetween(from.odometry, at(stamp).odometry);
   motion.duration = stamp - from.stamp;
+  if (twist_) {
+    motion.delta = integrate(*twist_, motion.duration);
+    return motion;
+  }
   const double delay = calibration_.gyro().calibration().delay();
   const std::optional<GyroState> before = gyro_.at(from.stamp + delay);
   const std::optional<GyroState> after = gyro_.at(stamp + delay);

@@ -4,17 +4,21 @@
 #include <cmath>
 #include <utility>
 
+#include "motion/bounded.h"
+
 namespace racecar_mcl {
 namespace {
 
 // The speed of a car cannot change faster than the grip of its tyres allows.
 constexpr double kMaxAcceleration = 15.0;  // m/s^2
-// A difference between the speeds of the odometry and of the car up to the sum of these is not
-// compensated: the motion noise and the calibration of the odometry cover it.
-constexpr double kMinDifference = 0.1;       // m/s
+// A difference between the speeds of the odometry and of the car up to the larger of the first two,
+// plus the third, is not compensated: the motion noise and the calibration of the odometry cover
+// it.
+constexpr double kMinDifference = 0.3;       // m/s
+constexpr double kMinDistance = 0.0075;      // m, between two scans
 constexpr double kMinDifferenceRatio = 0.1;  // of the larger speed
-constexpr double kMinDistance = 0.005;       // m, between two scans
-// A motion continues at the estimated speed for this time, then stops.
+// A motion continues at the estimated speed for this time, then stops. Estimates further apart say
+// nothing about the speed.
 constexpr double kMaxTime = 0.5;  // s
 // Standard deviation of the acceleration of a turn.
 constexpr double kTurnAcceleration = 30.0;  // rad/s^2
@@ -42,7 +46,7 @@ SlipCompensation::Path SlipCompensation::pathWith(const Motion& odometry) const 
 double SlipCompensation::expectedSpeed(const Path& path) const {
   const double limit = kMaxAcceleration * path.seconds;
   const double change = path.odometry / path.seconds - state_->odometry_speed;
-  return state_->speed + std::clamp(change, -limit, limit);
+  return state_->speed + bounded(change, limit);
 }
 
 std::optional<double> SlipCompensation::replacedSpeed(const Motion& odometry) const {
@@ -52,19 +56,25 @@ std::optional<double> SlipCompensation::replacedSpeed(const Motion& odometry) co
   const double speed = expectedSpeed(path);
   const double larger_speed = std::max(std::abs(odometry_speed), std::abs(speed));
   const double tolerance =
-      kMinDifference + kMinDifferenceRatio * larger_speed + kMinDistance / path.seconds;
+      std::max(kMinDifference, kMinDistance / path.seconds) + kMinDifferenceRatio * larger_speed;
   if (std::abs(odometry_speed - speed) <= tolerance) return std::nullopt;
   return speed;
 }
 
+std::optional<Twist2> SlipCompensation::twist() const {
+  if (!is_active_ || !state_) return std::nullopt;
+  return Twist2{state_->speed, 0.0, state_->turn_rate};
+}
+
 Motion SlipCompensation::correct(const Motion& odometry,
                                  const MotionModelParameters& parameters) const {
+  Motion motion = odometry;
+  if (odometry.duration == 0.0) motion.compensation = twist();
   const std::optional<double> speed = replacedSpeed(odometry);
-  if (!speed) return odometry;
+  if (!speed) return motion;
   const double seconds = std::min(odometry.duration, kMaxTime);
   const double turn_rate =
       odometry.turned_by_gyro ? odometry.delta.yaw / seconds : state_->turn_rate;
-  Motion motion = odometry;
   motion.compensation = Twist2{*speed, 0.0, turn_rate};
   motion.delta = integrate(*motion.compensation, seconds);
   motion.distance = std::abs(*speed) * seconds;
@@ -79,12 +89,19 @@ Motion SlipCompensation::correct(const Motion& odometry,
 }
 
 void SlipCompensation::learn(const Motion& odometry, const Pose2& moved) {
-  if (!(odometry.duration > 0.0)) return;
-  is_active_ = replacedSpeed(odometry).has_value();
+  if (odometry.duration < 0.0) {  // the clock was set back
+    reset();
+    return;
+  }
+  if (odometry.duration > 0.0) is_active_ = replacedSpeed(odometry).has_value();
   path_ = pathWith(odometry);
   path_.moved += moved.x;
   path_.turned += moved.yaw;
   if (path_.seconds < kMinUpdateTime) return;
+  if (path_.seconds > kMaxTime) {
+    reset();
+    return;
+  }
   const Path path = std::exchange(path_, {});
   const double odometry_speed = path.odometry / path.seconds;
   const double turn_rate = path.turned / path.seconds;
@@ -93,7 +110,7 @@ void SlipCompensation::learn(const Motion& odometry, const Pose2& moved) {
   const double expected = expectedSpeed(path);
   const double correction =
       gainAfter(path.seconds, kSpeedTimeConstant) * (path.moved / path.seconds - expected);
-  state_->speed = expected + std::clamp(correction, -limit, limit);
+  state_->speed = expected + bounded(correction, limit);
   state_->turn_rate += gainAfter(path.seconds, kTurnTimeConstant) * (turn_rate - state_->turn_rate);
   state_->odometry_speed = odometry_speed;
 }

@@ -95,7 +95,13 @@ TEST_F(PoseExtrapolatorTest, ThePoseContinuesAtTheSpeedOfTheCarWhereTheOdometryI
   slip.learn(frozen, right.delta);
   extrapolator_.setReference(at(0.0), 11.0, OdometryCalibration{}, 1.0, slip);
   EXPECT_GT(extrapolator_.estimateAt(11.05)->base_in_map.x, 0.14);
-  EXPECT_GT(extrapolator_.beginScan(scanAt(11.05)).motion.delta.x, 0.14);
+  EXPECT_NEAR(extrapolator_.twist().vx, 3.0, 0.5);
+  EXPECT_NEAR(extrapolator_.odometryOver(scanAt(11.0)).motion(MotionOrigin{11.0, {}}, 11.1).delta.x,
+              0.3, 0.05);
+  const PoseExtrapolator::ScanMotion scan = extrapolator_.beginScan(scanAt(11.05));
+  EXPECT_GT(scan.motion.delta.x, 0.14);
+  EXPECT_NEAR(scan.odometry.motion(scan.odometry.at(11.05), 11.06).delta.x,
+              0.01 * scan.motion.compensation->vx, 1e-9);
 }
 
 TEST_F(PoseExtrapolatorTest, AScanWaitsForOdometryThatIsArriving) {
