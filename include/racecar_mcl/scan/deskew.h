@@ -12,8 +12,8 @@ namespace racecar_mcl {
 using BaseAfter = std::function<Pose2(double seconds)>;
 
 /// The sweep as seen from the lidar's pose at the scan's stamp: every end point is transformed by
-/// the car's motion between the stamp and its beam, interpolated between times that are a
-/// millisecond apart, or as many as beams if these are fewer. The times must be finite. Beams
+/// the car's motion between the stamp and its beam, interpolated between times that are at
+/// most a millisecond apart, but never more times than beams. The times must be finite. Beams
 /// without a return keep +inf; only their bearings change.
 Scan deskew(const Scan& scan, const BaseAfter& base_after);
 
