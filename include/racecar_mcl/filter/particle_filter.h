@@ -104,7 +104,7 @@ class ParticleFilter {
   int regularization_updates_left_ = 0;
   std::int64_t converged_updates_ = 0;  ///< updates since the set converged
   bool converged_ = true;
-  bool resize_is_due_ = false;  ///< num_particles has changed since the last resampling
+  bool resize_is_due_ = false;  ///< num_particles has changed since the start or resampling
   /// Motion since the last scan of each lidar; none before a motion.
   std::array<std::optional<Motion>, kMaxLidars> moved_;
   // Reused from update to update, so that tracking allocates nothing.

@@ -54,6 +54,7 @@ const UpdateResult& ParticleFilter::startFrom(ParticleSet particles, bool conver
   regularization_updates_left_ = parameters_.regularization_updates;
   converged_updates_ = 0;
   converged_ = converged;
+  resize_is_due_ = false;
   weightsOf(particles_, &weights_);
   result_ = UpdateResult{};
   summarizeSet(0);

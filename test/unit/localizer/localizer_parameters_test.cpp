@@ -81,6 +81,24 @@ TEST_F(LocalizerTest, EachComponentFollowsChangedParameters) {
             localizer.estimateAt(newest)->base_in_map.x);
 }
 
+TEST_F(LocalizerTest, LidarOdometryFollowsChangedParameters) {
+  LocalizerParameters changed = fewBeams();
+  changed.filter.num_particles = 60;
+  changed.motion.yaw_noise_from_translation = 0.1;
+  changed.sensor.field.field_scale = 0.2;
+  const auto estimateFrom = [&](const LocalizerParameters& first) {
+    Localizer localizer(first, 1);
+    // The walls of the map are elsewhere, so that scans are matched with each other.
+    const auto map = makeLocalizationMap(Room{16.0, 10.0}.grid(), changed);
+    localizer.setParameters(changed, map);
+    localizer.addOdometry(odometryAt(start_));
+    localizer.initialize(startAt(start_pose_));
+    drive(&localizer, 0.0, 3.0);
+    return *localizer.estimateAt(start_ + 3.0);
+  };
+  expectSame(estimateFrom(fewBeams()), estimateFrom(changed));
+}
+
 TEST_F(LocalizerTest, TheSensorModelFollowsChangedParameters) {
   const auto estimateWith = [this](double effective_beams) {
     Localizer localizer = started();
