@@ -78,6 +78,25 @@ TEST_P(GlobalStartTest, IsLocalizedOnceASecondSearchAgrees) {
   EXPECT_LT(confirmed.error, 0.2);
 }
 
+TEST_P(GlobalStartTest, TheSecondSearchFollowsChangedParameters) {
+  LocalizerParameters changed = parameters_;
+  changed.filter.num_particles = 100;
+  changed.filter.max_particles = 500;
+  const auto scansUntilLocalized = [&](const LocalizerParameters& first) {
+    Random random(3);
+    const Pose2 pose = sim::randomFreePose(*course_.world, {}, random, 0.3);
+    SimulatedDrive drive(course_, first, {}, pose, 3.0, 3);
+    drive.localizer().setParameters(changed, drive.localizer().map());
+    EXPECT_TRUE(drive.localizer().initializeGlobally());
+    int scans = 0;
+    drive.drive(4.0, [&](const Observation&) {
+      scans += drive.localizer().status().state != LocalizationState::kLocalized;
+    });
+    return scans;
+  };
+  EXPECT_EQ(scansUntilLocalized(parameters_), scansUntilLocalized(changed));
+}
+
 TEST_P(GlobalStartTest, IsCorrectedByASecondSearch) {
   parameters_.relocalization = Relocalization::kStart;
   for (const std::uint64_t seed : {3, 4}) {

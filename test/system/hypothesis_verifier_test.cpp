@@ -173,6 +173,16 @@ TEST_F(HypothesisVerifierTest, APoseThatWasNeverConfirmedIsGivenUpSooner) {
   EXPECT_LT(travelled_, confirmed);
 }
 
+TEST_F(HypothesisVerifierTest, APoseThatWasCarriedThroughAWallIsGivenUp) {
+  int scans = 0;
+  // Beams that end outside the map contradict the pose only because it cannot be there.
+  const auto outside = [&](const Pose2& truth) {
+    return ++scans < 3 ? truth : Pose2{truth.x, truth.y - 60.0, truth.yaw};
+  };
+  EXPECT_EQ(decisionWithin(8.0, Purpose::kChallenge, outside), Decision::kProven);
+  EXPECT_LT(errorOfParticles(), 0.2);
+}
+
 /// 65 beams (ten independent ones) towards a wall 3.5 m ahead.
 class ContradictionLogOdds : public WallAhead {
  protected:
