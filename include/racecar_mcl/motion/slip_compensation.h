@@ -41,7 +41,7 @@ class SlipCompensation {
   };
 
   Path pathWith(const Motion& odometry) const;
-  /// The speed (m/s) of a car of which the odometry follows the path.
+  /// m/s: the last estimate plus the odometry's change since then, as far as tyres allow it.
   double expectedSpeed(const Path& path) const;
   /// The car's speed (m/s) if the odometry's is not; else none.
   std::optional<double> replacedSpeed(const Motion& odometry) const;

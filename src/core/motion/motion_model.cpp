@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "motion/scalars.h"
 #include "racecar_mcl/common/validation.h"
 #include "simd/normal_generator.h"
 
@@ -17,8 +18,6 @@ constexpr double kMinMovingTime = 1e-3;  // s
 
 // Below this translation, the direction of a motion is undefined: a turn in place.
 constexpr double kMinTranslation = 1e-3;  // m
-
-double square(double value) { return value * value; }
 
 Eigen::Matrix3d constantNoise(const MotionModelParameters& p, const Motion& motion) {
   const Eigen::Vector3d per_message(square(p.constant_x_sigma), square(p.constant_y_sigma),

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "motion/bounded.h"
+#include "motion/scalars.h"
 #include "racecar_mcl/common/validation.h"
 
 namespace racecar_mcl {

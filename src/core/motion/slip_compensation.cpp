@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "motion/bounded.h"
+#include "motion/scalars.h"
 
 namespace racecar_mcl {
 namespace {
@@ -27,8 +27,6 @@ constexpr double kTurnAcceleration = 30.0;  // rad/s^2
 constexpr double kSpeedTimeConstant = 0.1;  // s
 constexpr double kTurnTimeConstant = 0.05;  // s
 constexpr double kMinUpdateTime = 0.02;     // s
-
-double square(double value) { return value * value; }
 
 double gainAfter(double seconds, double time_constant) {
   return 1.0 - std::exp(-seconds / time_constant);
@@ -89,7 +87,7 @@ Motion SlipCompensation::correct(const Motion& odometry,
 }
 
 void SlipCompensation::learn(const Motion& odometry, const Pose2& moved) {
-  if (odometry.duration < 0.0) {  // the clock was set back
+  if (!(odometry.duration >= 0.0)) {  // the clock was set back
     reset();
     return;
   }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/bounded.h"
+#include "motion/scalars.h"
 
 namespace racecar_mcl {
 namespace {

@@ -178,8 +178,14 @@ TEST_F(SlipCompensationTest, ChangesNothingWithoutATimeOrAScan) {
 }
 
 TEST_F(SlipCompensationTest, ForgetsTheSpeedWhenTheClockIsSetBack) {
-  compensation_.learn(motionAt(kSpeed, 0.0, -5.0), {});
-  EXPECT_FALSE(isReplaced(0.0));
+  for (const double duration : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
+    learn(kSpeed, kSpeed);
+    ASSERT_TRUE(isReplaced(0.0));
+    Motion motion = motionAt(kSpeed);
+    motion.duration = duration;
+    compensation_.learn(motion, {100.0, 0.0, 0.0});
+    EXPECT_FALSE(isReplaced(0.0)) << duration;
+  }
 }
 
 }  // namespace
