@@ -96,8 +96,8 @@ cv::Mat drawCells(const OccupancyGrid& grid, const Surfaces& surfaces) {
 }
 
 /// The cells, magnified by a whole number, with a legend below.
-cv::Mat drawMap(const OccupancyGrid& grid, const Surfaces& surfaces) {
-  const cv::Mat cells = drawCells(grid, surfaces);
+cv::Mat drawMap(const OccupancyGrid& grid) {
+  const cv::Mat cells = drawCells(grid, findSurfaces(grid));
   const int scale = magnificationOf(cells.size());
   cv::Mat picture;
   cv::resize(cells, picture, {}, scale, scale, cv::INTER_NEAREST);
@@ -113,11 +113,10 @@ cv::Mat drawMap(const OccupancyGrid& grid, const Surfaces& surfaces) {
 void checkMap(const Options& o) {
   requireSeparateFiles({o.out}, mapFiles(o.map));
   const OccupancyGrid grid = loadMap(o.map);
-  const Surfaces surfaces = findSurfaces(grid);
-  const MapSummary summary = summarize(grid, surfaces);
+  const MapSummary summary = summarize(grid);
   print(summary, std::cout);
   if (!std::cout) throw std::runtime_error("stdout: cannot write the whole summary");
-  if (!o.out.empty()) writeImage(drawMap(grid, surfaces), o.out);
+  if (!o.out.empty()) writeImage(drawMap(grid), o.out);
   if (!summary.usable()) throw MapError(o.map + ": the localizer cannot use this map");
 }
 

@@ -6,7 +6,6 @@
 
 #include "racecar_mcl/map/cell_runs.h"
 #include "racecar_mcl/map/occupancy_grid.h"
-#include "racecar_mcl/map/surfaces.h"
 #include "racecar_mcl/raycasting/range_caster.h"
 #include "racecar_mcl/relocalization/global_scan_matcher.h"
 #include "racecar_mcl/sensor/beam_model.h"
@@ -46,12 +45,8 @@ struct LocalizationMap {
 /// Throws MapError for a map without a free cell. caster.max_range = 0 stands for the range of the
 /// sensor model: field_max_range, or that of the beam table. Throws ParameterError if the maximum
 /// range is shorter than the beam table's, since expected ranges would end before measured ones.
+/// Time and memory are those of the part of the map that holds its known cells, apart from the grid.
 std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
-                                                           const SensorParameters& sensor);
-
-/// The same, with the result of findSurfaces for the grid.
-std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
-                                                           const Surfaces& surfaces,
                                                            const SensorParameters& sensor);
 
 /// The sensor model that a map was built for, with caches of its own. The map must outlive it.

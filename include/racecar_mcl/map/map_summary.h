@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "racecar_mcl/map/occupancy_grid.h"
-#include "racecar_mcl/map/surfaces.h"
 
 namespace racecar_mcl {
 
@@ -59,8 +58,8 @@ struct MapSummary {
   bool usable() const { return kind != MapKind::kNoFreeCells && kind != MapKind::kNoObstacles; }
 };
 
-/// `surfaces`: the result of findSurfaces for the grid. Linear in the number of cells.
-MapSummary summarize(const OccupancyGrid& grid, const Surfaces& surfaces);
+/// Linear in the number of cells.
+MapSummary summarize(const OccupancyGrid& grid);
 
 /// Size, kind, free area and surfaces in one line.
 std::string describe(const MapSummary& summary);

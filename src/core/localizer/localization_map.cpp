@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "map/known_part.h"
 #include "racecar_mcl/common/errors.h"
 
 namespace racecar_mcl {
@@ -45,19 +46,12 @@ std::unique_ptr<RangeCaster> makeCaster(const OccupancyGrid& grid, const SensorP
   RangeCasterParameters parameters = sensor.caster;
   parameters.range_method = method;
   parameters.max_range = casterRange(sensor, grid.geometry().resolution);
-  return makeRangeCaster(grid, parameters);
+  return makeRangeCaster(KnownPart(grid).grid(), parameters);
 }
 
 }  // namespace
 
 std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
-                                                           const SensorParameters& sensor) {
-  const Surfaces surfaces = findSurfaces(grid);
-  return makeLocalizationMap(std::move(grid), surfaces, sensor);
-}
-
-std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
-                                                           const Surfaces& surfaces,
                                                            const SensorParameters& sensor) {
   CellRuns free_cells = freeCells(grid);
   const std::string size = "the map of " + std::to_string(grid.geometry().width) + " x " +
@@ -70,12 +64,18 @@ std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
   }
   std::unique_ptr<const RangeCaster> caster = makeCaster(grid, sensor, "simd");
   std::optional<LikelihoodField> field;
-  if (sensor.sensor_model == SensorModelType::kLikelihoodField) {
-    field.emplace(grid.geometry(), surfaces, sensor.field);
+  std::optional<GlobalScanMatcher> matcher;
+  {
+    const KnownPart known(grid);
+    const OccupancyGrid& part = known.grid();
+    const Surfaces surfaces = findSurfaces(part);
+    if (sensor.sensor_model == SensorModelType::kLikelihoodField) {
+      field.emplace(part.geometry(), surfaces, sensor.field);
+    }
+    matcher.emplace(part.geometry(), freeCells(part), surfaces, sensor.search);
   }
-  GlobalScanMatcher matcher(grid.geometry(), free_cells, surfaces, sensor.search);
   return std::make_shared<const LocalizationMap>(
-      LocalizationMap{std::move(grid), std::move(caster), std::move(field), std::move(matcher),
+      LocalizationMap{std::move(grid), std::move(caster), std::move(field), std::move(*matcher),
                       std::move(free_cells)});
 }
 

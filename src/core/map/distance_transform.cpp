@@ -155,39 +155,63 @@ std::vector<std::uint8_t> complement(std::vector<std::uint8_t> mask) {
   return mask;
 }
 
+namespace {
+
+/// Sets the cells of a row up to `half` before and after one that is set (to 1); `spare` is as long.
+void dilateRow(std::uint8_t* cells, std::uint8_t* spare, int width, int half) {
+  // The reach of each set cell grows by at most itself at a time.
+  for (int reach = 0; reach < std::min(half, width);) {
+    const int step = std::min(reach + 1, half - reach);
+    std::copy_n(cells, width, spare);
+    for (int i = step; i < width; ++i) cells[i] |= spare[i - step];
+    for (int i = 0; i + step < width; ++i) cells[i] |= spare[i + step];
+    reach += step;
+  }
+}
+
+/// Sets the cells of the columns [first, last) up to `half` below and above one that is set in
+/// `mask`.
+void dilateColumns(const std::vector<std::uint8_t>& mask, int width, int height, int half,
+                   int first, int last, std::vector<std::uint8_t>* result) {
+  const auto far = static_cast<std::uint16_t>(std::min(half, DistanceTransform::kMaxDistance) + 1);
+  std::vector<std::uint16_t> since(static_cast<std::size_t>(last - first));
+  const auto mark = [&](int row) {
+    const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row) * width + first;
+    const std::uint8_t* const set = mask.data() + offset;
+    std::uint8_t* const marked = result->data() + offset;
+    for (std::size_t i = 0; i < since.size(); ++i) {
+      const auto next = static_cast<std::uint16_t>(since[i] + (since[i] < far ? 1 : 0));
+      since[i] = set[i] != 0 ? std::uint16_t{0} : next;
+      marked[i] |= static_cast<std::uint8_t>(since[i] < far);
+    }
+  };
+  since.assign(since.size(), far);
+  for (int row = 0; row < height; ++row) mark(row);
+  since.assign(since.size(), far);
+  for (int row = height - 1; row >= 0; --row) mark(row);
+}
+
+}  // namespace
+
 std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& mask, int width, int height,
                                   int half) {
   requireSize(mask, width, height);
-  // In each of four directions, the cells up to `half` after one that is set: along rows...
   std::vector<std::uint8_t> wide(mask.size());
-  for (std::ptrdiff_t row = 0; row < height; ++row) {
-    const std::uint8_t* const set = mask.data() + row * width;
-    std::uint8_t* const marked = wide.data() + row * width;
-    int last = -half - 1;
-    for (int i = 0; i < width; ++i) {
-      if (set[i] != 0) last = i;
-      marked[i] = i - last <= half ? 1 : 0;
+  parallelFor(jobsOf(height, kRows), [&](int job) {
+    std::vector<std::uint8_t> spare(static_cast<std::size_t>(width));
+    for (int row = job * kRows; row < std::min((job + 1) * kRows, height); ++row) {
+      const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row) * width;
+      std::uint8_t* const cells = wide.data() + offset;
+      std::transform(mask.data() + offset, mask.data() + offset + width, cells,
+                     [](std::uint8_t value) { return value != 0 ? 1 : 0; });
+      dilateRow(cells, spare.data(), width, half);
     }
-    last = width + half;
-    for (int i = width - 1; i >= 0; --i) {
-      if (set[i] != 0) last = i;
-      if (last - i <= half) marked[i] = 1;
-    }
-  }
-  // ... and along columns.
+  });
   std::vector<std::uint8_t> result(mask.size());
-  std::vector<int> last(static_cast<std::size_t>(width), -half - 1);
-  const auto mark = [&](int row) {
-    const std::uint8_t* const set = wide.data() + static_cast<std::ptrdiff_t>(row) * width;
-    std::uint8_t* const marked = result.data() + static_cast<std::ptrdiff_t>(row) * width;
-    for (std::size_t i = 0; i < last.size(); ++i) {
-      last[i] = set[i] != 0 ? row : last[i];
-      marked[i] |= static_cast<std::uint8_t>(std::abs(row - last[i]) <= half);
-    }
-  };
-  for (int row = 0; row < height; ++row) mark(row);
-  last.assign(last.size(), height + half);
-  for (int row = height - 1; row >= 0; --row) mark(row);
+  parallelFor(jobsOf(width, kColumns), [&](int job) {
+    dilateColumns(wide, width, height, half, job * kColumns,
+                  std::min((job + 1) * kColumns, width), &result);
+  });
   return result;
 }
 

@@ -10,6 +10,18 @@ namespace {
 
 constexpr double kCarSpace = 0.5;  // m, side of a square of free space that a car fits into
 
+/// Whether the four cells beside a cell are free.
+bool isAmongFree(const GridGeometry& geometry, const std::vector<std::uint8_t>& free,
+                 const Cell& cell) {
+  if (cell.column == 0 || cell.row == 0 || cell.column == geometry.width - 1 ||
+      cell.row == geometry.height - 1) {
+    return false;
+  }
+  const std::size_t i = CellIndex(geometry)(cell);
+  const auto width = static_cast<std::size_t>(geometry.width);
+  return free[i - 1] != 0 && free[i + 1] != 0 && free[i - width] != 0 && free[i + width] != 0;
+}
+
 }  // namespace
 
 FreeSpace findFreeSpace(const OccupancyGrid& grid) {
@@ -35,6 +47,7 @@ FreeSpace findFreeSpace(const OccupancyGrid& grid) {
 CellSides sidesOf(const OccupancyGrid& grid, const FreeSpace& space, const Cell& cell) {
   constexpr Cell kSteps[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   CellSides sides;
+  if (isAmongFree(grid.geometry(), space.free, cell)) return sides;
   for (const Cell& step : kSteps) {
     const Cell beside{cell.column + step.column, cell.row + step.row};
     if (grid.isFree(beside)) continue;

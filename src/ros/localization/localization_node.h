@@ -82,7 +82,7 @@ class LocalizationNode {
 
   // Tasks of the worker threads.
   void buildMap();
-  void useMap(const std::shared_ptr<const LocalizationMap>& map, const MapSummary& summary);
+  void useMap(const std::shared_ptr<const LocalizationMap>& map);
   /// On the map builder: builds what the new parameters need, and switches between two scans.
   void changeParameters(const NodeParameters& parameters);
   void processScan();

@@ -53,12 +53,12 @@ void LocalizationNode::buildMap() {
   const std::optional<nav_msgs::OccupancyGridConstPtr> message = newest_map_.take();
   if (!message) return;
   try {
-    OccupancyGrid grid = toOccupancyGrid(**message);
-    const Surfaces surfaces = findSurfaces(grid);
-    const MapSummary summary = summarize(grid, surfaces);
     const std::shared_ptr<const LocalizationMap> map =
-        makeLocalizationMap(std::move(grid), surfaces, sensorParameters(parameters_.localizer));
-    worker_.post([this, map, summary] { useMap(map, summary); });
+        makeLocalizationMap(toOccupancyGrid(**message), parameters_.localizer);
+    worker_.post([this, map] { useMap(map); });
+    // Afterwards, since the first pose does not wait for it.
+    const MapSummary summary = summarize(map->grid);
+    worker_.post([this, summary] { logSummary(summary); });
   } catch (const std::exception& error) {
     reportRejection(&NodeStatus::maps_rejected, "map rejected, keeping the previous one",
                     error.what());
@@ -75,9 +75,7 @@ void LocalizationNode::logSummary(const MapSummary& summary) {
   map_warnings_ = summary.warnings;
 }
 
-void LocalizationNode::useMap(const std::shared_ptr<const LocalizationMap>& map,
-                              const MapSummary& summary) {
-  logSummary(summary);
+void LocalizationNode::useMap(const std::shared_ptr<const LocalizationMap>& map) {
   const GridGeometry& geometry = map->grid.geometry();
   localizer_.setMap(map);
   updateNodeStatus();

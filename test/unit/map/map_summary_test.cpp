@@ -11,7 +11,7 @@
 namespace racecar_mcl {
 namespace {
 
-MapSummary summaryOf(const OccupancyGrid& grid) { return summarize(grid, findSurfaces(grid)); }
+MapSummary summaryOf(const OccupancyGrid& grid) { return summarize(grid); }
 
 MapSummary summaryOf(const std::string& drawing, double resolution = 0.1) {
   return summaryOf(asciiMap(drawing, resolution));
