@@ -8,9 +8,13 @@
 
 namespace racecar_mcl {
 
-/// Estimates the car's speed and turn rate from the estimates by scans and from changes of the
-/// odometry's speed that tyres allow. While the odometry's speed differs from it, motions continue
-/// at the estimated speed; their covariance includes the odometry's motion (docs/maths.md).
+/// Detects changes of the odometry's speed that tyres do not allow. From then on the car's speed is
+/// estimated from the estimates by scans and from the changes that tyres do allow, and motions
+/// continue at it until it agrees with the odometry's. Their covariance includes the odometry's
+/// motion (docs/maths.md).
+///
+/// Scans alone start nothing: on a map that shows little of the way along a course, the estimate's
+/// speed may differ from the car's for seconds.
 class SlipCompensation {
  public:
   /// The motion since the last scan: the odometry's, or one at the estimated speed and turn rate,
@@ -35,7 +39,7 @@ class SlipCompensation {
     double turned = 0.0;    ///< rad, by the estimates
   };
   struct State {
-    double speed = 0.0;           ///< m/s, of the car
+    double speed = 0.0;           ///< m/s, of the car; the odometry's unless it was replaced
     double turn_rate = 0.0;       ///< rad/s, of the car
     double odometry_speed = 0.0;  ///< m/s
   };
@@ -43,6 +47,8 @@ class SlipCompensation {
   Path pathWith(const Motion& odometry) const;
   /// m/s: the last estimate plus the odometry's change since then, as far as tyres allow it.
   double expectedSpeed(const Path& path) const;
+  /// m/s: the expected speed, corrected by that of the estimates.
+  double speedByScans(const Path& path) const;
   /// The car's speed (m/s) if the odometry's is not; else none.
   std::optional<double> replacedSpeed(const Motion& odometry) const;
 

@@ -104,13 +104,18 @@ void SlipCompensation::learn(const Motion& odometry, const Pose2& moved) {
   const double odometry_speed = path.odometry / path.seconds;
   const double turn_rate = path.turned / path.seconds;
   if (!state_) state_ = State{odometry_speed, turn_rate, odometry_speed};
+  state_->speed = is_active_ ? speedByScans(path) : odometry_speed;
+  state_->turn_rate += gainAfter(path.seconds, kTurnTimeConstant) * (turn_rate - state_->turn_rate);
+  state_->odometry_speed = odometry_speed;
+}
+
+double SlipCompensation::speedByScans(const Path& path) const {
   const double limit = kMaxAcceleration * path.seconds;
   const double expected = expectedSpeed(path);
   const double correction =
       gainAfter(path.seconds, kSpeedTimeConstant) * (path.moved / path.seconds - expected);
-  state_->speed = expected + bounded(correction, limit);
-  state_->turn_rate += gainAfter(path.seconds, kTurnTimeConstant) * (turn_rate - state_->turn_rate);
-  state_->odometry_speed = odometry_speed;
+  return expected + bounded(correction, limit);
 }
+
 
 }  // namespace racecar_mcl

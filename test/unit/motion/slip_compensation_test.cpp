@@ -66,6 +66,14 @@ TEST_F(SlipCompensationTest, KeepsAccelerationsThatTyresAllow) {
   }
 }
 
+TEST_F(SlipCompensationTest, ScansAloneDoNotReplaceAMotion) {
+  // As on a map that pulls the estimate along a smooth course.
+  for (int scan = 0; scan < 80; ++scan) {
+    ASSERT_FALSE(isReplaced(kSpeed)) << scan;
+    learn(kSpeed, kSpeed + 3.0 * std::sin(0.2 * scan));
+  }
+}
+
 TEST_F(SlipCompensationTest, ContinuesAtTheSpeedOfTheCarWhileOdometryIsFrozen) {
   for (int scan = 0; scan < 80; ++scan) {
     const Motion motion = corrected(motionAt(0.0));
