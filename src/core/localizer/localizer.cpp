@@ -18,9 +18,10 @@ constexpr double kStationaryRotation = 1e-3;  // rad
 // surfaces.
 constexpr double kSurfaceSigma = 0.1;
 
-// Decorrelation distance of a converged set, in scan_decorrelation_distance per excess of the
-// outlier ratio over the typical one: consecutive scans repeat the outliers of an incomplete map
-// (docs/decisions.md).
+// Decorrelation distance of a converged set (docs/decisions.md): on every map, since consecutive
+// scans end in the same cells, plus, in scan_decorrelation_distance per excess of the outlier ratio
+// over the typical one, since they repeat the outliers of an incomplete map.
+constexpr double kMinDecorrelationDistance = 0.15;  // m
 constexpr double kDecorrelationPerOutlierRatio = 1.5;
 
 /// The motion of a scan's beams: the car's pose at a time after the scan's `stamp`, in its frame at
@@ -176,8 +177,10 @@ void Localizer::reweight(const Step& step, UpdateResult* update) {
 double Localizer::decorrelationDistance() const {
   // While a place is being confirmed, scans count in full.
   if (verifier_.confirming()) return 0.0;
-  return kDecorrelationPerOutlierRatio * parameters_.filter.scan_decorrelation_distance *
-         std::max(0.0, kTypicalInlierRatio - monitor_.baseline());
+  const double distance = parameters_.filter.scan_decorrelation_distance;
+  if (distance == 0.0) return 0.0;
+  return kMinDecorrelationDistance + kDecorrelationPerOutlierRatio * distance *
+                                         std::max(0.0, kTypicalInlierRatio - monitor_.baseline());
 }
 
 void Localizer::relocalize(bool just_converged, Step* step, UpdateResult* update) {

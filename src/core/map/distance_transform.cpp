@@ -157,7 +157,8 @@ std::vector<std::uint8_t> complement(std::vector<std::uint8_t> mask) {
 
 namespace {
 
-/// Sets the cells of a row up to `half` before and after one that is set (to 1); `spare` is as long.
+/// Sets the cells of a row up to `half` before and after one that is set (to 1); `spare` is as
+/// long.
 void dilateRow(std::uint8_t* cells, std::uint8_t* spare, int width, int half) {
   // The reach of each set cell grows by at most itself at a time.
   for (int reach = 0; reach < std::min(half, width);) {
@@ -209,8 +210,8 @@ std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& mask, int wid
   });
   std::vector<std::uint8_t> result(mask.size());
   parallelFor(jobsOf(width, kColumns), [&](int job) {
-    dilateColumns(wide, width, height, half, job * kColumns,
-                  std::min((job + 1) * kColumns, width), &result);
+    dilateColumns(wide, width, height, half, job * kColumns, std::min((job + 1) * kColumns, width),
+                  &result);
   });
   return result;
 }

@@ -11,6 +11,9 @@ namespace {
 
 // The factors were chosen on simulated drives and recordings (docs/maths.md).
 
+// Factor on the standard deviations of the estimate: scans repeat the errors of the map's cells,
+// but the filter counts them as independent.
+constexpr double kSigmaFactor = 1.5;
 // Heading error per position error of the map's surfaces, rad/m.
 constexpr double kHeadingPerMapError = 0.15;
 // Drift of lidar odometry.
@@ -46,7 +49,8 @@ ProtectionLevel protectionLevel(const ProtectionLevelParameters& parameters,
   const Eigen::Matrix3d& covariance = estimate.covariance;
   const double quantile = twoSidedQuantile(parameters.integrity_risk);
   const auto level = [&](double variance, double map_error) {
-    return quantile * std::sqrt(std::max(0.0, variance) + map_error * map_error);
+    const double scaled = kSigmaFactor * kSigmaFactor * std::max(0.0, variance);
+    return quantile * std::sqrt(scaled + map_error * map_error);
   };
   const double drift = kDriftPerMetre * carried;
   return {level(along.dot(covariance * along), match.map_error) + drift,

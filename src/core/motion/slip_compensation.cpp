@@ -117,5 +117,4 @@ double SlipCompensation::speedByScans(const Path& path) const {
   return expected + bounded(correction, limit);
 }
 
-
 }  // namespace racecar_mcl

@@ -88,12 +88,12 @@ TEST_F(LocalizerTest, TheDecorrelationDistanceGrowsOnAnIncompleteMap) {
     }
   };
   Localizer localizer = started(parameters);
-  EXPECT_EQ(localizer.decorrelationDistance(), 0.0);
+  EXPECT_EQ(localizer.decorrelationDistance(), 0.15);
   driveWhereTheMapLacksSomething(&localizer);
   EXPECT_NEAR(localizer.status().baseline_inlier_ratio, 0.82, 0.05);
   EXPECT_NEAR(localizer.decorrelationDistance(),
-              1.5 * parameters.filter.scan_decorrelation_distance *
-                  (0.95 - localizer.status().baseline_inlier_ratio),
+              0.15 + 1.5 * parameters.filter.scan_decorrelation_distance *
+                         (0.95 - localizer.status().baseline_inlier_ratio),
               1e-3);
 
   parameters.filter.scan_decorrelation_distance = 0.0;
@@ -224,8 +224,8 @@ TEST_F(LocalizerTest, TheCovarianceIncludesTheErrorOfTheSurfaces) {
   localizer.setMap(map(parameters));
   localizer.addOdometry(odometryAt(start_));
   localizer.initialize(startAt(start_pose_, 0.0));
-  drive(&localizer, 0.0, 0.1);
-  const Eigen::Matrix3d covariance = localizer.estimateAt(start_ + 0.1)->covariance;
+  drive(&localizer, 0.0, 1.0);
+  const Eigen::Matrix3d covariance = localizer.estimateAt(start_ + 1.0)->covariance;
   const double sigma = 0.1 * localizer.map()->grid.geometry().resolution;
   EXPECT_NEAR(covariance(0, 0), sigma * sigma, 1e-7);
   EXPECT_NEAR(covariance(1, 1), sigma * sigma, 1e-7);

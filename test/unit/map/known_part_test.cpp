@@ -17,7 +17,9 @@ namespace {
 /// A grid of free, occupied and unknown cells, the first and last of them known.
 OccupancyGrid randomGrid(Random* random) {
   const GridGeometry geometry{20 + static_cast<int>(random->index(30)),
-                              20 + static_cast<int>(random->index(20)), 0.1, {1.0, -2.0, 0.4}};
+                              20 + static_cast<int>(random->index(20)),
+                              0.1,
+                              {1.0, -2.0, 0.4}};
   const CellIndex index(geometry);
   std::vector<std::int8_t> cells(index({0, geometry.height}), OccupancyGrid::kFree);
   for (std::int8_t& cell : cells) {
@@ -33,8 +35,8 @@ OccupancyGrid surrounded(const OccupancyGrid& grid, int columns, int rows) {
   GridGeometry geometry = grid.geometry();
   geometry.width += 2 * columns;
   geometry.height += 2 * rows;
-  geometry.origin = compose(geometry.origin, {-columns * geometry.resolution,
-                                              -rows * geometry.resolution, 0.0});
+  geometry.origin =
+      compose(geometry.origin, {-columns * geometry.resolution, -rows * geometry.resolution, 0.0});
   const CellIndex index(geometry);
   std::vector<std::int8_t> cells(index({0, geometry.height}), OccupancyGrid::kUnknown);
   for (int row = 0; row < grid.geometry().height; ++row) {
@@ -59,7 +61,8 @@ TEST(KnownPart, HasTwoUnknownColumnsAndRowsOnEachSide) {
       ?????????
       ???#.????
       ????#????
-      ?????????)", 0.5, {10.0, 20.0, kPi / 2});
+      ?????????)",
+                                       0.5, {10.0, 20.0, kPi / 2});
   const KnownPart known(whole);
   const OccupancyGrid& part = known.grid();
   EXPECT_EQ(part.geometry().width, 6);
@@ -69,7 +72,8 @@ TEST(KnownPart, HasTwoUnknownColumnsAndRowsOnEachSide) {
       ??????
       ??#.??
       ???#??
-      ??????)").cells());
+      ??????)")
+                              .cells());
   EXPECT_NEAR(part.geometry().origin.x, 10.0, 1e-12);
   EXPECT_NEAR(part.geometry().origin.y, 20.5, 1e-12);
   EXPECT_EQ(part.geometry().origin.yaw, whole.geometry().origin.yaw);

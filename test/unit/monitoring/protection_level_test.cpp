@@ -11,6 +11,7 @@ namespace racecar_mcl {
 namespace {
 
 constexpr double kQuantile = 3.2905;  // exceeded in magnitude with a probability of 1e-3
+constexpr double kSigmaFactor = 1.5;
 constexpr double kTolerance = 1e-3;
 
 class ProtectionLevelTest : public ::testing::Test {
@@ -27,21 +28,21 @@ class ProtectionLevelTest : public ::testing::Test {
 };
 
 TEST_F(ProtectionLevelTest, IsTheQuantileOfTheCovarianceOnAnExactMap) {
-  EXPECT_NEAR(level().along, kQuantile * 0.3, kTolerance);
-  EXPECT_NEAR(level().across, kQuantile * 0.1, kTolerance);
-  EXPECT_NEAR(level().heading, kQuantile * 0.02, kTolerance);
+  EXPECT_NEAR(level().along, kQuantile * kSigmaFactor * 0.3, kTolerance);
+  EXPECT_NEAR(level().across, kQuantile * kSigmaFactor * 0.1, kTolerance);
+  EXPECT_NEAR(level().heading, kQuantile * kSigmaFactor * 0.02, kTolerance);
 }
 
 TEST_F(ProtectionLevelTest, IsAlongAndAcrossTheCar) {
   estimate_.base_in_map.yaw = kPi / 2.0;
-  EXPECT_NEAR(level().along, kQuantile * 0.1, kTolerance);
-  EXPECT_NEAR(level().across, kQuantile * 0.3, kTolerance);
+  EXPECT_NEAR(level().along, kQuantile * kSigmaFactor * 0.1, kTolerance);
+  EXPECT_NEAR(level().across, kQuantile * kSigmaFactor * 0.3, kTolerance);
 }
 
 TEST_F(ProtectionLevelTest, GrowsByTheErrorOfTheMap) {
   fit_.map_error = 0.4;
-  EXPECT_NEAR(level().along, kQuantile * 0.5, 2.0 * kTolerance);
-  EXPECT_NEAR(level().across, kQuantile * std::hypot(0.1, 0.4), 2.0 * kTolerance);
+  EXPECT_NEAR(level().along, kQuantile * std::hypot(kSigmaFactor * 0.3, 0.4), 2.0 * kTolerance);
+  EXPECT_NEAR(level().across, kQuantile * std::hypot(kSigmaFactor * 0.1, 0.4), 2.0 * kTolerance);
   EXPECT_GT(level().heading, kQuantile * 0.05);
 }
 
@@ -53,7 +54,7 @@ TEST_F(ProtectionLevelTest, GrowsWithTheDistanceDrivenWithoutTheMap) {
 
 TEST_F(ProtectionLevelTest, DecreasesWithTheIntegrityRisk) {
   parameters_.integrity_risk = 0.05;
-  EXPECT_NEAR(level().along, 1.96 * 0.3, kTolerance);
+  EXPECT_NEAR(level().along, 1.96 * kSigmaFactor * 0.3, kTolerance);
 }
 
 TEST_F(ProtectionLevelTest, IsAtMostHalfATurnForTheHeading) {
