@@ -144,7 +144,7 @@ const std::vector<Change>& changes() {
       {"expert/max_odometry_extrapolation:=0.1"},
       {"expert/clock_jump:=0.6"},
       {"expert/calibration_distance:=10"},
-      {"expert/noise_adaptation:=false"},
+      {"expert/noise_adaptation:=true"},
       {"expert/slip_compensation:=false"},
       {"expert/beam_layout:=even"},
       {"expert/beam_box_aspect:=4"},

@@ -34,7 +34,7 @@ struct LocalizerParameters {
   /// Number of independent beams that a scan counts as: the exponent of its likelihood is this
   /// divided by num_beams_per_particle.
   double effective_beams = 37.0;
-  bool noise_adaptation = true;   ///< increase the motion noise while scans contradict the odometry
+  bool noise_adaptation = false;  ///< increase the motion noise while scans contradict the odometry
   bool slip_compensation = true;  ///< replace the odometry's speed where it cannot be the car's
   ScanDirectionFrom scan_direction = ScanDirectionFrom::kAuto;  ///< of the beams, for deskewing
   Relocalization relocalization = Relocalization::kFull;

@@ -14,7 +14,7 @@ class Ablation:
         ("constant motion noise", DEFAULT, ("motion_model:=constant",)),
         ("differential motion model", DEFAULT, ("motion_model:=differential",)),
         ("beam model", DEFAULT, ("sensor_model:=beam",)),
-        ("without noise adaptation", DEFAULT, ("expert/noise_adaptation:=false",)),
+        ("with noise adaptation", DEFAULT, ("expert/noise_adaptation:=true",)),
         ("without odometry calibration", DEFAULT, ("expert/calibration_distance:=0",)),
         ("without tempering", DEFAULT, ("expert/min_effective_particles:=0",)),
         ("100 beams", DEFAULT, ("num_beams_per_particle:=100",)),
