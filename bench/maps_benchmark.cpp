@@ -88,8 +88,8 @@ void measure(int size, int known) {
   malloc_trim(0);
   const double memory = residentMegabytes() - before;
   const double cells = static_cast<double>(size) * static_cast<double>(size);
-  std::printf("| %d x %d | %d x %d | %.2f | %.2f | %.2f | %.0f | %.1f | %.0f | %.0f |\n", size, size,
-              known, known, map_wall.count(), summary_wall.count(), cpu, memory,
+  std::printf("| %d x %d | %d x %d | %.2f | %.2f | %.2f | %.0f | %.1f | %.0f | %.0f |\n", size,
+              size, known, known, map_wall.count(), summary_wall.count(), cpu, memory,
               memory * 1e6 / cells, peak, peakMegabytes());
   std::fflush(stdout);
 }

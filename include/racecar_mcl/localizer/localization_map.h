@@ -45,7 +45,8 @@ struct LocalizationMap {
 /// Throws MapError for a map without a free cell. caster.max_range = 0 stands for the range of the
 /// sensor model: field_max_range, or that of the beam table. Throws ParameterError if the maximum
 /// range is shorter than the beam table's, since expected ranges would end before measured ones.
-/// Time and memory are those of the part of the map that holds its known cells, apart from the grid.
+/// Time and memory are those of the part of the map that holds its known cells, apart from the
+/// grid.
 std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
                                                            const SensorParameters& sensor);
 

@@ -8,8 +8,8 @@
 namespace racecar_mcl {
 
 /// The rectangle of a grid's known cells, with two columns and rows of unknown ones on each side
-/// where the grid has them. Since cells outside of a grid count as unknown, all that is derived from
-/// the part is the same as that of the whole.
+/// where the grid has them. Since cells outside of a grid count as unknown, all that is derived
+/// from the part is the same as that of the whole.
 class KnownPart {
  public:
   /// The grid must outlive the part. A grid without a known cell is its own part.
