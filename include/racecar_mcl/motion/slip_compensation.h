@@ -42,6 +42,7 @@ class SlipCompensation {
     double speed = 0.0;           ///< m/s, of the car; the odometry's unless it was replaced
     double turn_rate = 0.0;       ///< rad/s, of the car
     double odometry_speed = 0.0;  ///< m/s
+    double usual_change = 0.0;    ///< m/s, of the odometry's speed from update to update
   };
 
   Path pathWith(const Motion& odometry) const;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "racecar_mcl/common/random.h"
+
 namespace racecar_mcl {
 namespace {
 
@@ -72,6 +74,17 @@ TEST_F(SlipCompensationTest, ScansAloneDoNotReplaceAMotion) {
     ASSERT_FALSE(isReplaced(kSpeed)) << scan;
     learn(kSpeed, kSpeed + 3.0 * std::sin(0.2 * scan));
   }
+}
+
+TEST_F(SlipCompensationTest, KeepsTheMotionOfNoisyOdometry) {
+  compensation_.reset();
+  Random random(1);
+  for (int scan = 0; scan < 400; ++scan) {
+    const double speed = kSpeed + 0.3 * random.gaussian();
+    ASSERT_FALSE(isReplaced(speed)) << scan;
+    learn(speed, 0.8 * kSpeed);
+  }
+  EXPECT_TRUE(isReplaced(-0.5));
 }
 
 TEST_F(SlipCompensationTest, ContinuesAtTheSpeedOfTheCarWhileOdometryIsFrozen) {
