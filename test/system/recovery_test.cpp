@@ -101,7 +101,7 @@ TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsOffByHalf) {
     std::sort(errors.begin(), errors.end());
     return errors[2];
   };
-  EXPECT_LT(median(), 0.1);
+  EXPECT_LT(median(), 0.05);
   // What else follows the scans.
   parameters_.motion.slip_noise_from_speed = 0.0;
   parameters_.slip_compensation = false;

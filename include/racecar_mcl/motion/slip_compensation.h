@@ -39,17 +39,18 @@ class SlipCompensation {
     double turned = 0.0;    ///< rad, by the estimates
   };
   struct State {
-    double speed = 0.0;           ///< m/s, of the car; the odometry's unless it was replaced
+    double speed = 0.0;           ///< m/s, of the car
     double turn_rate = 0.0;       ///< rad/s, of the car
     double odometry_speed = 0.0;  ///< m/s
-    double usual_change = 0.0;    ///< m/s, of the odometry's speed from update to update
+    double change = 0.0;          ///< m/s, of the odometry's speed from the update before
+    double noise = 0.0;           ///< m/s, mean difference of two successive changes
   };
 
   Path pathWith(const Motion& odometry) const;
   /// m/s: the last estimate plus the odometry's change since then, as far as tyres allow it.
   double expectedSpeed(const Path& path) const;
-  /// m/s: the expected speed, corrected by that of the estimates.
-  double speedByScans(const Path& path) const;
+  /// m/s: the expected speed, corrected by a measured one.
+  double correctedSpeed(const Path& path, double measured) const;
   /// The car's speed (m/s) if the odometry's is not; else none.
   std::optional<double> replacedSpeed(const Motion& odometry) const;
 

@@ -17,11 +17,11 @@ constexpr double kMaxAcceleration = 15.0;  // m/s^2
 constexpr double kMinDifference = 0.3;       // m/s
 constexpr double kMinDistance = 0.0075;      // m, between two scans
 constexpr double kMinDifferenceRatio = 0.1;  // of the larger speed
-// A change that starts the compensation exceeds the usual one from update to update, which is
-// averaged over a time, by this factor: it is not the noise of the odometry.
-constexpr double kMinChangeRatio = 5.0;
-constexpr double kChangeTimeConstant = 1.0;  // s
-constexpr double kInitialChange = 0.3;       // m/s
+// A change that starts the compensation exceeds the noise of the odometry, which is the mean
+// difference of two changes that follow each other, by this factor.
+constexpr double kMinChangeRatio = 3.0;
+constexpr double kNoiseTimeConstant = 0.5;  // s
+constexpr double kInitialNoise = 0.3;       // m/s
 // A motion continues at the estimated speed for this time, then stops. Estimates further apart say
 // nothing about the speed.
 constexpr double kMaxTime = 0.5;  // s
@@ -61,7 +61,7 @@ std::optional<double> SlipCompensation::replacedSpeed(const Motion& odometry) co
   const double tolerance =
       std::max(kMinDifference, kMinDistance / path.seconds) + kMinDifferenceRatio * larger_speed;
   const double change = std::abs(odometry_speed - state_->odometry_speed);
-  if (!is_active_ && change <= kMinChangeRatio * state_->usual_change) return std::nullopt;
+  if (!is_active_ && change <= kMinChangeRatio * state_->noise) return std::nullopt;
   if (std::abs(odometry_speed - speed) <= tolerance) return std::nullopt;
   return speed;
 }
@@ -110,22 +110,22 @@ void SlipCompensation::learn(const Motion& odometry, const Pose2& moved) {
   const Path path = std::exchange(path_, {});
   const double odometry_speed = path.odometry / path.seconds;
   const double turn_rate = path.turned / path.seconds;
-  if (!state_) state_ = State{odometry_speed, turn_rate, odometry_speed, kInitialChange};
-  state_->speed = is_active_ ? speedByScans(path) : odometry_speed;
+  if (!state_) state_ = State{odometry_speed, turn_rate, odometry_speed, 0.0, kInitialNoise};
+  state_->speed = correctedSpeed(path, is_active_ ? path.moved / path.seconds : odometry_speed);
+  const double change = odometry_speed - state_->odometry_speed;
   if (!is_active_) {
-    const double change = std::abs(odometry_speed - state_->odometry_speed);
-    state_->usual_change +=
-        gainAfter(path.seconds, kChangeTimeConstant) * (change - state_->usual_change);
+    state_->noise += gainAfter(path.seconds, kNoiseTimeConstant) *
+                     (std::abs(change - state_->change) - state_->noise);
   }
+  state_->change = change;
   state_->turn_rate += gainAfter(path.seconds, kTurnTimeConstant) * (turn_rate - state_->turn_rate);
   state_->odometry_speed = odometry_speed;
 }
 
-double SlipCompensation::speedByScans(const Path& path) const {
+double SlipCompensation::correctedSpeed(const Path& path, double measured) const {
   const double limit = kMaxAcceleration * path.seconds;
   const double expected = expectedSpeed(path);
-  const double correction =
-      gainAfter(path.seconds, kSpeedTimeConstant) * (path.moved / path.seconds - expected);
+  const double correction = gainAfter(path.seconds, kSpeedTimeConstant) * (measured - expected);
   return expected + bounded(correction, limit);
 }
 
