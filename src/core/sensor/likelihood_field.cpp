@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "map/cell_window.h"
 #include "map/distance_transform.h"
 #include "racecar_mcl/common/validation.h"
 
@@ -20,50 +21,15 @@ constexpr int kEdge = 2;
 constexpr double kMaxBlurredDepth = 2.0 * kMaxBlurredThickness;
 constexpr int kSteps = 255;  // of the stored values
 
-/// Columns and rows of a map, also outside of it: [left, right) x [bottom, top).
-struct Window {
-  int left, bottom, right, top;
-
-  int width() const { return right - left; }
-  int height() const { return top - bottom; }
-};
-
 /// The cells of the map, with `margin` cells around it, that are at most `reach` cells from the
 /// columns and rows of cells that are set.
-Window windowAround(const std::vector<std::uint8_t>& mask, const GridGeometry& geometry, int margin,
-                    int reach) {
-  Window set{geometry.width, geometry.height, 0, 0};
-  const std::uint8_t* row_begin = mask.data();
-  for (int row = 0; row < geometry.height; ++row, row_begin += geometry.width) {
-    const std::uint8_t* const row_end = row_begin + geometry.width;
-    const std::uint8_t* const first = std::find(row_begin, row_end, 1);
-    if (first == row_end) continue;
-    const std::uint8_t* last = row_end - 1;
-    while (*last == 0) --last;
-    set.left = std::min(set.left, static_cast<int>(first - row_begin));
-    set.right = std::max(set.right, static_cast<int>(last - row_begin) + 1);
-    set.bottom = std::min(set.bottom, row);
-    set.top = row + 1;
-  }
-  if (set.top == 0) set = {0, 0, 1, 1};
+CellWindow windowAround(const std::vector<std::uint8_t>& mask, const GridGeometry& geometry,
+                        int margin, int reach) {
+  CellWindow set = windowOf(mask, geometry, [](std::uint8_t value) { return value != 0; });
+  if (set.empty()) set = {0, 0, 1, 1};
   return {std::max(set.left - reach, -margin), std::max(set.bottom - reach, -margin),
           std::min(set.right + reach, geometry.width + margin),
           std::min(set.top + reach, geometry.height + margin)};
-}
-
-/// The part of a mask in a window, zeros outside of the map, row by row.
-std::vector<std::uint8_t> cut(const std::vector<std::uint8_t>& mask, const GridGeometry& geometry,
-                              const Window& window) {
-  std::vector<std::uint8_t> part(static_cast<std::size_t>(window.width()) *
-                                 static_cast<std::size_t>(window.height()));
-  const int left = std::max(window.left, 0);
-  const int count = std::min(window.right, geometry.width) - left;
-  for (int row = std::max(window.bottom, 0); row < std::min(window.top, geometry.height); ++row) {
-    const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(row - window.bottom) * window.width();
-    std::copy_n(mask.begin() + static_cast<std::ptrdiff_t>(CellIndex(geometry)({left, row})), count,
-                part.begin() + to + (left - window.left));
-  }
-  return part;
 }
 
 }  // namespace
@@ -102,11 +68,8 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
   const int reach = wholeCells(std::max(std::sqrt(limits[1]), blurred_reach));
   const int margin = wholeCells(
       std::min(kMarginScales * parameters.field_scale / geometry.resolution, kMaxMargin));
-  const Window window = windowAround(surfaces.visible, geometry, kEdge + margin, kEdge + reach);
-  geometry_.origin = compose(geometry.origin, {window.left * geometry.resolution,
-                                               window.bottom * geometry.resolution, 0.0});
-  geometry_.width = window.width();
-  geometry_.height = window.height();
+  const CellWindow window = windowAround(surfaces.visible, geometry, kEdge + margin, kEdge + reach);
+  geometry_ = geometryOf(window, geometry);
   const std::vector<std::uint8_t> blurred = cut(surfaces.blurred, geometry, window);
   cells_.assign(blurred.size(), 0);
   const DistanceTransform distances(cut(surfaces.visible, geometry, window), window.width(),
