@@ -46,7 +46,7 @@ std::unique_ptr<RangeCaster> makeCaster(const OccupancyGrid& grid, const SensorP
   RangeCasterParameters parameters = sensor.caster;
   parameters.range_method = method;
   parameters.max_range = casterRange(sensor, grid.geometry().resolution);
-  return makeRangeCaster(KnownPart(grid).grid(), parameters);
+  return makeRangeCaster(grid, parameters);
 }
 
 }  // namespace
@@ -62,12 +62,13 @@ std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
                    "has no occupied cell: a scan matches it anywhere; expected walls, see "
                    "the map's negate, occupied_thresh and mode");
   }
-  std::unique_ptr<const RangeCaster> caster = makeCaster(grid, sensor, "simd");
+  std::unique_ptr<const RangeCaster> caster;
   std::optional<LikelihoodField> field;
   std::optional<GlobalScanMatcher> matcher;
   {
     const KnownPart known(grid);
     const OccupancyGrid& part = known.grid();
+    caster = makeCaster(part, sensor, "simd");
     const Surfaces surfaces = findSurfaces(part);
     if (sensor.sensor_model == SensorModelType::kLikelihoodField) {
       field.emplace(part.geometry(), surfaces, sensor.field);
@@ -88,9 +89,9 @@ std::unique_ptr<SensorModel> makeSensorModel(const LocalizationMap& map,
     }
     return std::make_unique<LikelihoodFieldModel>(*map.likelihood_field, threads);
   }
-  return std::make_unique<RayCastingModel>(BeamModel(sensor.beam, map.grid.geometry().resolution),
-                                           makeCaster(map.grid, sensor, sensor.caster.range_method),
-                                           threads);
+  return std::make_unique<RayCastingModel>(
+      BeamModel(sensor.beam, map.grid.geometry().resolution),
+      makeCaster(KnownPart(map.grid).grid(), sensor, sensor.caster.range_method), threads);
 }
 
 ParticleSet sampleFreeSpace(const LocalizationMap& map, Eigen::Index count, Random& random) {
