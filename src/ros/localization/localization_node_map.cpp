@@ -56,9 +56,10 @@ void LocalizationNode::buildMap() {
     const std::shared_ptr<const LocalizationMap> map =
         makeLocalizationMap(toOccupancyGrid(**message), parameters_.localizer);
     worker_.post([this, map] { useMap(map); });
-    // Afterwards, since the first pose does not wait for it.
-    const MapSummary summary = summarize(map->grid);
-    worker_.post([this, summary] { logSummary(summary); });
+    // A task of its own: the first pose does not wait for it.
+    map_builder_.post([this, map] {
+      worker_.post([this, summary = summarize(map->grid)] { logSummary(summary); });
+    });
   } catch (const std::exception& error) {
     reportRejection(&NodeStatus::maps_rejected, "map rejected, keeping the previous one",
                     error.what());
