@@ -8,9 +8,9 @@ namespace racecar_mcl {
 namespace {
 
 constexpr int kMaxBeams = 4000;
-constexpr double kViewDistance = 0.1;   // m between views, so that a slow car does not dominate
-constexpr double kMinRange = 0.3;       // m; shorter ranges are returns of a covered lidar
-constexpr double kPoseSigmas = 2.5;     // of a covariance that is rather wide
+constexpr double kViewDistance = 0.1;  // m between views, so that a slow car does not dominate
+constexpr double kMinRange = 0.3;      // m; shorter ranges are returns of a covered lidar
+constexpr double kPoseSigmas = 2.5;
 constexpr double kMaxTolerance = 0.15;  // m; beams with less accurate ends are not used
 // After a kidnapping the status remains `localized` for less than that.
 constexpr double kConfirmationTime = 2.0;  // s
