@@ -42,8 +42,10 @@ class OdometryCalibration {
   Motion correct(const Motion& motion) const;
 
   /// Updates the estimates after one scan. `motion`: corrected motion since the last scan;
-  /// `correction`: the estimate in the frame of the predicted pose.
-  void learn(const Motion& motion, const Pose2& correction);
+  /// `correction`: the estimate in the frame of the predicted pose; `map_is_complete`: the map
+  /// shows nearly all that the lidar sees, so that the first corrections determine the distance
+  /// scale.
+  void learn(const Motion& motion, const Pose2& correction, bool map_is_complete);
 
   /// Continues from the estimates of an earlier run, within the limits. A gyro proves itself anew.
   void resume(const OdometryErrors& errors);
@@ -63,10 +65,12 @@ class OdometryCalibration {
   const GyroCalibration& gyro() const { return gyro_; }
 
  private:
+  void updateDistanceScale(const Motion& motion, double along, bool map_is_complete);
   void updateDelay(const Motion& motion, const Pose2& correction);
 
   OdometryCalibrationParameters parameters_;
   double distance_scale_ = 1.0;
+  double scale_distance_ = 0.0;  ///< m driven on a complete map
   double delay_ = 0.0;
   double delay_information_ = 0.0;  ///< (m/s)^2, fading sum of squared changes of speed
   TurnCalibration odometry_turn_;

@@ -11,6 +11,7 @@ namespace {
 // Minimum inlier ratio of scans whose corrections are taken as errors of the odometry: where the
 // map is wrong, scans contradict correct odometry as well.
 constexpr double kMinInlierRatioForAdaptation = 0.9;
+constexpr double kMinBaselineOfCompleteMap = 0.9;
 
 }  // namespace
 
@@ -72,7 +73,8 @@ void Localizer::learn(const Step& step, const ScanResult& result) {
 
 void Localizer::calibrate(const Step& step, const Pose2& estimate, double travelled) {
   LidarState& lidar = lidarAt(step.scan.beams.lidar);
-  calibration_.learn(step.motion, between(step.predicted.base_in_map, estimate));
+  calibration_.learn(step.motion, between(step.predicted.base_in_map, estimate),
+                     monitor_.baseline() >= kMinBaselineOfCompleteMap);
   const double direction_log_odds =
       step.mirrored ? scanLogOdds(map_->matcher.field(), estimate, step.scan.beams, *step.mirrored)
                     : 0.0;

@@ -1,5 +1,6 @@
 #include "racecar_mcl/motion/odometry_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "motion/scalars.h"
@@ -9,11 +10,14 @@ namespace racecar_mcl {
 namespace {
 
 // Limits of the estimates (docs/decisions.md): larger errors are faults rather than miscalibration.
-constexpr double kMaxScaleError = 0.15;  // m/m
+constexpr double kMaxScaleError = 0.35;  // m/m
 constexpr double kMaxDelay = 0.1;        // s
 // Odometry of cars integrates the commanded steering angle: a published lap of a 1/10 car has a
 // heading error of 60 %. The steering lags its command by up to 0.2 s.
 const TurnErrors kOdometryTurnErrors{0.3, 0.02, 0.65, 0.1, 0.2};
+
+// Distance that the prior of the scale, 1, counts for.
+constexpr double kScalePriorDistance = 5.0;  // m
 
 // Largest correction used of one scan, per metre: larger ones are slip or wrong matches.
 constexpr double kMaxCorrectionRatio = 0.3;
@@ -50,18 +54,15 @@ Motion OdometryCalibration::correct(const Motion& motion) const {
   return corrected;
 }
 
-void OdometryCalibration::learn(const Motion& motion, const Pose2& correction) {
+void OdometryCalibration::learn(const Motion& motion, const Pose2& correction,
+                                bool map_is_complete) {
   const Pose2& moved = motion.delta;
   const double true_turn = wrapAngle(moved.yaw + correction.yaw);
   odometry_turn_.learn({motion.turn, moved.x, motion.twist_change.wz}, true_turn,
                        motion.distance + motion.rotation);
   gyro_.learn(motion, true_turn, odometry_turn_.error());
   if (parameters_.calibration_distance == 0.0) return;
-  // Normalised least mean squares: the remaining error decays by a factor e over the distance.
-  const double rate = 1.0 / parameters_.calibration_distance;
-  const double along =
-      std::copysign(1.0, moved.x) * bounded(correction.x, kMaxCorrectionRatio * std::abs(moved.x));
-  distance_scale_ = 1.0 + bounded(distance_scale_ - 1.0 + rate * along, kMaxScaleError);
+  updateDistanceScale(motion, correction.x, map_is_complete);
   updateDelay(motion, correction);
 }
 
@@ -81,6 +82,21 @@ void OdometryCalibration::forgetDelay() {
   delay_ = delay_information_ = 0.0;
   odometry_turn_.forgetDelay();
   gyro_.forgetDelay();
+}
+
+/// Normalised least mean squares. On a complete map the first rates are those of a mean over the
+/// distance.
+void OdometryCalibration::updateDistanceScale(const Motion& motion, double along,
+                                              bool map_is_complete) {
+  double distance = parameters_.calibration_distance;
+  if (map_is_complete) {
+    scale_distance_ += motion.distance;
+    distance = std::min(distance, kScalePriorDistance + scale_distance_);
+  }
+  const double moved = motion.delta.x;
+  const double correction =
+      std::copysign(1.0, moved) * bounded(along, kMaxCorrectionRatio * std::abs(moved));
+  distance_scale_ = 1.0 + bounded(distance_scale_ - 1.0 + correction / distance, kMaxScaleError);
 }
 
 /// Odometry with delay d lacks a motion of d times the change of the speed: least squares with a
