@@ -13,7 +13,7 @@ namespace {
 
 SavedPose savedPose() {
   SavedPose pose{"one map", {1.0, 2.0, 0.5}, OdometryPose{100.0, {10.0, 0.0, 0.0}}, {}};
-  pose.sensors = SensorCalibration{{0.98, 0.01, {1.2, -0.02, 0.1}},
+  pose.sensors = SensorCalibration{{0.98, 0.01, {1.2, -0.02, 0.1}, 60.0},
                                    {{0.03, true}, {0.2, false}, {-0.01, false}}};
   pose.lidar_frames = {"laser", "", "rear \"laser\": {1}"};
   return pose;
@@ -34,6 +34,7 @@ TEST(PoseFile, ReturnsWhatWasWritten) {
   EXPECT_EQ(read->odometry->base_in_odom.x, 10.0);
   ASSERT_TRUE(read->sensors);
   EXPECT_EQ(read->sensors->odometry.distance_scale, 0.98);
+  EXPECT_EQ(read->sensors->odometry.scale_distance, 60.0);
   EXPECT_EQ(read->sensors->odometry.delay, 0.01);
   EXPECT_EQ(read->sensors->odometry.turn.scale, 1.2);
   EXPECT_EQ(read->sensors->odometry.turn.offset, -0.02);
@@ -122,6 +123,7 @@ TEST(PoseFile, OfAnEarlierVersionHasTheCalibrationOfOneLidar) {
                          "  range_bias: 0.02\n  scan_reversed: true\n";
   const std::optional<SavedPose> pose = readPoseFile(path);
   EXPECT_TRUE(pose->lidar_frames.empty());
+  EXPECT_EQ(pose->sensors->odometry.scale_distance, 0.0);
   ASSERT_EQ(pose->sensors->lidars.size(), 1U);
   EXPECT_EQ(pose->sensors->lidars[0].range_bias, 0.02);
   EXPECT_TRUE(pose->sensors->lidars[0].scan_reversed);

@@ -20,6 +20,7 @@ struct OdometryErrors {
   double distance_scale = 1.0;  ///< true metres per metre of odometry
   double delay = 0.0;           ///< s by which the speed lags the car's motion
   TurnConstants turn;           ///< the offset per m
+  double scale_distance = 0.0;  ///< m driven on a complete map, which determined distance_scale
 };
 
 /// Systematic errors: distance scale and time delay of the speed, and those of the turns, which the
@@ -60,7 +61,9 @@ class OdometryCalibration {
   /// s by which the odometry's speed lags the car's motion. Negative if it leads, as twists that
   /// are valid for the time before their stamps.
   double delay() const { return delay_; }
-  OdometryErrors errors() const { return {distance_scale_, delay_, odometry_turn_.estimates()}; }
+  OdometryErrors errors() const {
+    return {distance_scale_, delay_, odometry_turn_.estimates(), scale_distance_};
+  }
   const TurnCalibration& odometryTurn() const { return odometry_turn_; }
   const GyroCalibration& gyro() const { return gyro_; }
 

@@ -69,6 +69,7 @@ void OdometryCalibration::learn(const Motion& motion, const Pose2& correction,
 void OdometryCalibration::resume(const OdometryErrors& errors) {
   if (parameters_.calibration_distance == 0.0) return;
   distance_scale_ = 1.0 + bounded(errors.distance_scale - 1.0, kMaxScaleError);
+  scale_distance_ = std::clamp(errors.scale_distance, 0.0, parameters_.calibration_distance);
   delay_ = bounded(errors.delay, kMaxDelay);
   odometry_turn_.resume(errors.turn);
 }

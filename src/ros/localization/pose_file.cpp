@@ -60,6 +60,7 @@ void writeCalibration(const SavedPose& pose, std::ostream* out) {
   visitNumbers(*pose.sensors, [&](const char* key, double number) {
     *out << "  " << key << ": " << number << '\n';
   });
+  *out << "  scale_distance: " << pose.sensors->odometry.scale_distance << '\n';
   *out << "  lidars:\n";
   for (std::size_t i = 0; i < pose.lidar_frames.size(); ++i) {
     if (pose.lidar_frames[i].empty()) continue;
@@ -82,6 +83,10 @@ LidarCalibration readLidar(const YAML::Node& node) {
 void readSensors(const YAML::Node& node, SavedPose* pose) {
   SensorCalibration& sensors = pose->sensors.emplace();
   visitNumbers(sensors, [&](const char* key, double& number) { number = readNumber(node, key); });
+  // Files of earlier versions do not have it.
+  if (node["scale_distance"]) {
+    sensors.odometry.scale_distance = readNumber(node, "scale_distance");
+  }
   if (!node["lidars"]) {
     sensors.lidars.push_back(readLidar(node));
     return;

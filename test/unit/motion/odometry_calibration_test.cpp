@@ -161,6 +161,15 @@ TEST(OdometryCalibration, EstimatesNothingIfDisabled) {
   EXPECT_EQ(calibration.delay(), 0.0);
 }
 
+TEST(OdometryCalibration, ContinuesWithTheRateOfTheEarlierRun) {
+  for (const double scale_distance : {0.0, 100.0}) {
+    OdometryCalibration calibration;
+    calibration.resume({1.1, 0.0, {}, scale_distance});
+    drive(&calibration, straight(0.1), straight(0.1), 50);
+    EXPECT_EQ(calibration.distanceScale() > 1.08, scale_distance == 100.0);
+  }
+}
+
 TEST(OdometryCalibration, ResumesWithinItsLimits) {
   OdometryCalibration before({20.0}), after({20.0});
   drive(&before, straight(0.11), straight(0.1), 1000);
