@@ -8,7 +8,8 @@
 namespace racecar_mcl {
 
 struct OdometryCalibrationParameters {
-  /// Distance constant of the adaptation, m driven or rad turned; 0 = off.
+  /// Distance constant of the adaptation, m driven or rad turned; 0 = off. On a complete map the
+  /// distance scale adapts faster at first.
   double calibration_distance = 100.0;
 };
 
@@ -44,8 +45,7 @@ class OdometryCalibration {
 
   /// Updates the estimates after one scan. `motion`: corrected motion since the last scan;
   /// `correction`: the estimate in the frame of the predicted pose; `map_is_complete`: the map
-  /// shows nearly all that the lidar sees, so that the first corrections determine the distance
-  /// scale.
+  /// shows nearly all that the lidar sees.
   void learn(const Motion& motion, const Pose2& correction, bool map_is_complete);
 
   /// Continues from the estimates of an earlier run, within the limits. A gyro proves itself anew.

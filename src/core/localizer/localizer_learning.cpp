@@ -11,6 +11,7 @@ namespace {
 // Minimum inlier ratio of scans whose corrections are taken as errors of the odometry: where the
 // map is wrong, scans contradict correct odometry as well.
 constexpr double kMinInlierRatioForAdaptation = 0.9;
+// Minimum baseline inlier ratio of a map that shows nearly all that the lidar sees.
 constexpr double kMinBaselineOfCompleteMap = 0.9;
 
 }  // namespace
