@@ -88,9 +88,8 @@ TEST(BoundsMatch, FallsWithTheErrorOfThePose) {
   scan.bearings = Eigen::ArrayXf::LinSpaced(200, -2.0F, 2.0F);
   scan.ranges = scan.bearings;
   const Pose2 pose{3.0, 2.0, 0.4};
-  for (float& range : scan.ranges) {
-    range = static_cast<float>(
-        room.range(pose, static_cast<double>(scan.bearings[&range - scan.ranges.data()])));
+  for (Eigen::Index k = 0; k < scan.size(); ++k) {
+    scan.ranges[k] = static_cast<float>(room.range(pose, static_cast<double>(scan.bearings[k])));
   }
   const auto none = [](const Eigen::Vector2d&) { return false; };
   RaceScore right;
