@@ -23,9 +23,7 @@ class LidarOdometryTest : public ::testing::Test {
 
   Scan scanAt(double time) const {
     Scan scan = takeScan(room_, sweep_, time, [&](double t) { return truthAt(t); });
-    for (float& range : scan.ranges) {
-      if (range > 30.0f) range = std::numeric_limits<float>::infinity();
-    }
+    scan.ranges = (scan.ranges > 30.0f).select(std::numeric_limits<float>::infinity(), scan.ranges);
     return scan;
   }
 

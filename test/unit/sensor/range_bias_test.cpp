@@ -32,8 +32,8 @@ class RangeBiasTest : public ::testing::Test {
       return Pose2{in_map.x + kHalfCell, in_map.y + kHalfCell, in_map.yaw};
     });
     Random random(static_cast<std::uint64_t>(std::lround(travelled / kStep)) + 1);
-    for (float& range : scan.ranges) {
-      range += static_cast<float>(too_long + noise_ * random.gaussian());
+    for (Eigen::Index k = 0; k < scan.size(); ++k) {
+      scan.ranges[k] += static_cast<float>(too_long + noise_ * random.gaussian());
     }
     return scan;
   }
