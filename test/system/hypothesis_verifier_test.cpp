@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "offline/simulated_drive.h"
+#include "racecar_mcl/relocalization/contradiction.h"
 #include "sim/map_faults.h"
 #include "support/map_user.h"
 #include "support/single_wall.h"
@@ -16,7 +17,8 @@ namespace racecar_mcl {
 namespace {
 
 using Decision = HypothesisVerifier::Decision;
-using Purpose = HypothesisVerifier::Purpose;
+
+enum class Purpose { kConfirm, kChallenge };
 
 Pose2 asItIs(const Pose2& truth) { return truth; }
 Pose2 aside(const Pose2& truth) { return compose(truth, {1.5, 0.0, 0.0}); }
@@ -50,7 +52,11 @@ class HypothesisVerifierTest : public ::testing::Test {
     drive.drive(seconds, [&](const Observation& now) {
       if (decision != Decision::kUndecided && decision != unheeded_) return;
       if (!verifier_.confirming() && !verifier_.challenging()) {
-        verifier_.start(purpose, map.searchMap(), beams, carried_is_confirmed_);
+        if (purpose == Purpose::kConfirm) {
+          verifier_.startConfirmation(map.searchMap(), beams);
+        } else {
+          verifier_.startChallenge(map.searchMap(), beams, carried_is_confirmed_);
+        }
       } else if (before) {
         Motion motion;
         motion.delta = between(before->base_in_map, now.base_in_map);
@@ -91,10 +97,10 @@ TEST_F(HypothesisVerifierTest, KnowsWhatItSearchesFor) {
   Scan scan;
   scan.bearings = scan.ranges = scan.seconds_after_stamp = Eigen::ArrayXf::Ones(10);
   MapUser map(course_.map, parameters_.sensor);
-  verifier_.start(Purpose::kConfirm, map.searchMap(), scan);
+  verifier_.startConfirmation(map.searchMap(), scan);
   EXPECT_TRUE(verifier_.confirming());
   EXPECT_FALSE(verifier_.challenging());
-  verifier_.start(Purpose::kChallenge, map.searchMap(), scan);
+  verifier_.startChallenge(map.searchMap(), scan);
   EXPECT_FALSE(verifier_.confirming());
   EXPECT_TRUE(verifier_.challenging());
   EXPECT_FALSE(verifier_.candidate());
@@ -159,8 +165,6 @@ TEST_F(HypothesisVerifierTest, AChallengeMovesThePoseWithinItsPlace) {
     EXPECT_LT(errorOfParticles(), 0.1) << place;
     verifier_.stop();
   }
-  EXPECT_EQ(decisionWithin(8.0, Purpose::kConfirm, pushed), Decision::kConfirmed)
-      << "both are the same place";
 }
 
 TEST_F(HypothesisVerifierTest, APoseThatWasNeverConfirmedIsGivenUpSooner) {

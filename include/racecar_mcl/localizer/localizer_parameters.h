@@ -17,7 +17,7 @@ namespace racecar_mcl {
 enum class Relocalization {
   kFull,   ///< as kStart; a contradicted pose is searched again on the whole map
   kStart,  ///< a global start draws particles where the first scan matches; the result is confirmed
-           ///< by a second search
+           ///< by two more searches
   kOff,    ///< a global start draws particles evenly from free space, without a confirmation
 };
 

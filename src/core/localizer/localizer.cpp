@@ -184,7 +184,6 @@ double Localizer::decorrelationDistance() const {
 }
 
 void Localizer::relocalize(bool just_converged, Step* step, UpdateResult* update) {
-  using Purpose = HypothesisVerifier::Purpose;
   using Decision = HypothesisVerifier::Decision;
   if (!filter_.converged()) return;
   const Scan& scan = step->scan.beams;
@@ -206,10 +205,10 @@ void Localizer::relocalize(bool just_converged, Step* step, UpdateResult* update
       update->clusters.push_back({*verifier_.candidate(), verifier_.candidateProbability(), 0});
     }
   } else if (parameters_.relocalization == Relocalization::kFull && recovery_.searchIsDue()) {
-    verifier_.start(Purpose::kChallenge, searchMap(), scan, monitor_.wasLocalized());
+    verifier_.startChallenge(searchMap(), scan, monitor_.wasLocalized());
   }
   if (!just_converged || parameters_.relocalization == Relocalization::kOff) return;
-  verifier_.start(Purpose::kConfirm, searchMap(), scan);
+  verifier_.startConfirmation(searchMap(), scan);
   scans_since_stop_ = 0;  // scans of a stationary car are used for the confirmation
 }
 
