@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "offline/simulated_drive.h"
-#include "racecar_mcl/relocalization/contradiction.h"
 #include "sim/map_faults.h"
 #include "support/map_user.h"
 #include "support/single_wall.h"
@@ -17,8 +16,7 @@ namespace racecar_mcl {
 namespace {
 
 using Decision = HypothesisVerifier::Decision;
-
-enum class Purpose { kConfirm, kChallenge };
+using Purpose = HypothesisVerifier::Purpose;
 
 Pose2 asItIs(const Pose2& truth) { return truth; }
 Pose2 aside(const Pose2& truth) { return compose(truth, {1.5, 0.0, 0.0}); }
@@ -52,11 +50,7 @@ class HypothesisVerifierTest : public ::testing::Test {
     drive.drive(seconds, [&](const Observation& now) {
       if (decision != Decision::kUndecided && decision != unheeded_) return;
       if (!verifier_.confirming() && !verifier_.challenging()) {
-        if (purpose == Purpose::kConfirm) {
-          verifier_.startConfirmation(map.searchMap(), beams);
-        } else {
-          verifier_.startChallenge(map.searchMap(), beams, carried_is_confirmed_);
-        }
+        verifier_.start(purpose, map.searchMap(), beams, carried_is_confirmed_);
       } else if (before) {
         Motion motion;
         motion.delta = between(before->base_in_map, now.base_in_map);
@@ -97,10 +91,10 @@ TEST_F(HypothesisVerifierTest, KnowsWhatItSearchesFor) {
   Scan scan;
   scan.bearings = scan.ranges = scan.seconds_after_stamp = Eigen::ArrayXf::Ones(10);
   MapUser map(course_.map, parameters_.sensor);
-  verifier_.startConfirmation(map.searchMap(), scan);
+  verifier_.start(Purpose::kConfirm, map.searchMap(), scan);
   EXPECT_TRUE(verifier_.confirming());
   EXPECT_FALSE(verifier_.challenging());
-  verifier_.startChallenge(map.searchMap(), scan);
+  verifier_.start(Purpose::kChallenge, map.searchMap(), scan);
   EXPECT_FALSE(verifier_.confirming());
   EXPECT_TRUE(verifier_.challenging());
   EXPECT_FALSE(verifier_.candidate());
@@ -165,6 +159,8 @@ TEST_F(HypothesisVerifierTest, AChallengeMovesThePoseWithinItsPlace) {
     EXPECT_LT(errorOfParticles(), 0.1) << place;
     verifier_.stop();
   }
+  EXPECT_EQ(decisionWithin(8.0, Purpose::kConfirm, pushed), Decision::kConfirmed)
+      << "both are the same place";
 }
 
 TEST_F(HypothesisVerifierTest, APoseThatWasNeverConfirmedIsGivenUpSooner) {

@@ -76,7 +76,7 @@ class ParticleFilter {
   /// The exponent of a scan's likelihood after the motion since the last scan of its lidar; none
   /// before the first.
   double decorrelationExponent(const std::optional<Motion>& moved, double distance) const;
-  /// The exponent of a scan's likelihood by its inlier ratio at the best match.
+  /// The exponent of a scan's likelihood by its inlier ratio at the most likely particle.
   double informationExponent(const MapView& map, const Scan& scan);
   /// Raises the likelihoods to `exponent`; tempers them as well until the set has converged.
   void scaleLogLikelihoods(double exponent);

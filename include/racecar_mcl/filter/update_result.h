@@ -10,7 +10,6 @@ namespace racecar_mcl {
 
 struct UpdateResult {
   PoseEstimate estimate;               ///< at the scan, from the weights before resampling
-  Pose2 best_match;                    ///< particle at which the scan is most likely
   double effective_sample_size = 0.0;  ///< before resampling
   double log_likelihood = 0.0;         ///< of the scan: log of the mean weight
   int beams = 0;                       ///< beams used

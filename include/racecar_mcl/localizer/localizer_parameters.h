@@ -17,7 +17,7 @@ namespace racecar_mcl {
 enum class Relocalization {
   kFull,   ///< as kStart; a contradicted pose is searched again on the whole map
   kStart,  ///< a global start draws particles where the first scan matches; the result is confirmed
-           ///< by two more searches
+           ///< by a second search
   kOff,    ///< a global start draws particles evenly from free space, without a confirmation
 };
 

@@ -60,7 +60,7 @@ struct MonitorInput {
   double stamp = 0.0;        ///< s
   ScanMatch match;           ///< of the scan at the estimate
   bool converged = true;     ///< the particles form a single cluster
-  bool unconfirmed = false;  ///< converged, but other places on the map are not ruled out yet
+  bool unconfirmed = false;  ///< converged, but not confirmed by a second search yet
   bool jumped = false;       ///< the particles were replaced: the correction is no odometry error
   PoseEstimate estimate;
   Localizability localizability = {};

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "racecar_mcl/common/random.h"
@@ -50,9 +49,8 @@ class GlobalScanMatcher {
   /// scan. They are drawn from the lattice by their coarse scores, jittered within its cells, and
   /// drawn again by the likelihood of `field`. Both draws are tempered, to 3000 effective lattice
   /// poses and to a tenth of the poses drawn, since the best match of a single scan is often a
-  /// wrong place. Poses at the same place as `except` (isSamePlace) are left out, if others exist.
-  ParticleSet candidates(const Scan& beams, Eigen::Index count, Random& random,
-                         const std::optional<Pose2>& except = std::nullopt) const;
+  /// wrong place.
+  ParticleSet candidates(const Scan& beams, Eigen::Index count, Random& random) const;
 
   /// The likelihood field with coarseFieldParameters.
   const LikelihoodField& field() const { return field_; }

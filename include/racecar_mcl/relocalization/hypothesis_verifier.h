@@ -3,8 +3,7 @@
 //
 // Because of perceptual aliasing and map errors, a wrong place can match the scans better than the
 // right one over metres. A place found by a search of the whole map is therefore a hypothesis,
-// which is tested with later scans: against all other places after a global start, and against the
-// current pose if that is in doubt.
+// which is tested with later scans.
 #pragma once
 
 #include <cmath>
@@ -19,11 +18,23 @@
 
 namespace racecar_mcl {
 
+/// The log odds, from one scan, of the pose `candidate` against the current pose `carried` (base in
+/// map). A beam that passes through a mapped surface counts twice as much as one that ends before
+/// it. A beam that ends in an unknown cell is an outlier of the candidate; it is an outlier of the
+/// current pose only if `unmapped_counts`.
+double contradictionLogOdds(const MapView& map, const Pose2& candidate, const Pose2& carried,
+                            const Scan& beams, bool unmapped_counts);
+
 class HypothesisVerifier {
  public:
+  enum class Purpose {
+    kConfirm,    ///< confirm the result of a global search by a second search
+    kChallenge,  ///< find an alternative to a pose that scans contradict
+  };
+
   enum class Decision {
     kUndecided,
-    kConfirmed,  ///< no other place (of a challenge: pose) matches the scans as well
+    kConfirmed,  ///< the search has converged to the current place (of a challenge: pose)
     kRejected,   ///< of a challenge: the alternative is not better than the current pose
     kProven,     ///< the alternative, in `particles`, replaces the current pose
   };
@@ -36,22 +47,18 @@ class HypothesisVerifier {
   void setParameters(const ParticleFilterParameters& parameters,
                      const MotionModelParameters& motion);
 
-  /// Confirmation of the result of a global search: a search of the whole map with this scan has to
-  /// converge to the same place, and then a search of the rest of the map to no place that is as
-  /// likely. Replaces a running search.
-  void startConfirmation(const SearchMap& map, const Scan& scan);
-  /// Challenge of a pose that scans contradict: searches the whole map with this scan. Without
-  /// `carried_is_confirmed`, the current pose has no prior advantage over others. Replaces a
-  /// running search.
-  void startChallenge(const SearchMap& map, const Scan& scan, bool carried_is_confirmed = true);
+  /// Starts a search of the whole map with this scan; replaces a running one. Without
+  /// `carried_is_confirmed`, the current pose has no prior advantage over others.
+  void start(Purpose purpose, const SearchMap& map, const Scan& scan,
+             bool carried_is_confirmed = true);
   void stop() { purpose_.reset(); }
 
-  bool confirming() const { return purpose_ && !challenging(); }
+  bool confirming() const { return purpose_ == Purpose::kConfirm; }
   bool challenging() const { return purpose_ == Purpose::kChallenge; }
 
   /// Processes one scan. `motion`: since the last scan; `carried`: the estimate at this scan. A
-  /// confirmation starts again instead of succeeding with a scan that contradicts the map. No
-  /// search is running after kConfirmed and kRejected.
+  /// search with purpose kConfirm restarts if its result matches the scans much worse than
+  /// `carried` or contradicts the map. No search is running after kConfirmed and kRejected.
   Decision update(const Motion& motion, const SearchMap& map, const Scan& scan,
                   const PoseEstimate& carried);
 
@@ -62,36 +69,24 @@ class HypothesisVerifier {
   const ParticleSet& particles() const { return filter_.particles(); }
 
  private:
-  enum class Purpose { kAgreement, kOtherPlaces, kChallenge };
-
-  /// Starts a search of the map, except around a pose if one is given.
-  void start(Purpose purpose, const SearchMap& map, const Scan& scan,
-             const std::optional<Pose2>& except);
-  Decision agree(const Motion& motion, const SearchMap& map, const Scan& scan,
-                 const Pose2& carried);
-  /// `best_match`: of the search, at this scan. `is_new`: the alternative was found with this scan.
-  Decision ruleOut(const Motion& motion, const SearchMap& map, const Scan& scan,
-                   const Pose2& carried, const Pose2& best_match, bool is_new);
+  Decision onAgreement(const SearchMap& map, const Scan& scan);
+  Decision confirm(const Motion& motion, const SearchMap& map, const Scan& scan,
+                   const Pose2& carried);
   Decision challenge(const Motion& motion, const SearchMap& map, const Scan& scan,
-                     const PoseEstimate& carried, bool is_new);
-  Decision reject();
-  double decorrelation(const Motion& motion) const;
-  /// Adds the log odds of another pose against the current one by the coarse field.
-  void addFieldEvidence(const Pose2& other, const Pose2& carried, double weight,
-                        const SearchMap& map, const Scan& scan);
+                     const PoseEstimate& carried);
+  double fieldLogOdds(const Pose2& carried, const SearchMap& map, const Scan& scan);
 
   ParticleFilter filter_;
   ScanLikelihood scan_likelihood_;
   ScanMatchEvaluator match_evaluator_;
   Eigen::ArrayXd log_likelihoods_;  ///< of `both_`
   int num_threads_;
-  ParticleSet both_;  ///< another pose and the current one
+  ParticleSet both_;  ///< the alternative and the current pose
   double scan_decorrelation_distance_;
   std::optional<Purpose> purpose_;  ///< of the running search
   std::optional<PoseEstimate> candidate_;
   double far_prior_log_odds_ = 0.0;  ///< prior of places far from the current pose
   double log_odds_ = 0.0;            ///< of the alternative against the current pose
-  int scans_ = 0;                    ///< of the search of other places
   double travelled_ = 0.0;           ///< m since the start of the search
   std::optional<Pose2> last_carried_;
   bool crossed_obstacle_ = false;  ///< the current pose has moved through a wall, so that unmapped

@@ -64,9 +64,6 @@ const UpdateResult& ParticleFilter::update(const Scan& scan, SensorModel* model,
   if (converged_) ++converged_updates_;
 
   scan_likelihood_.evaluate(particles_, scan, model, &log_likelihoods_);
-  Eigen::Index best = 0;
-  log_likelihoods_.maxCoeff(&best);
-  result_.best_match = particles_.pose(best);
   if (map && converged_ && parameters_.bound_information) {
     exponent *= informationExponent(*map, scan);
   }
@@ -97,7 +94,9 @@ double ParticleFilter::decorrelationExponent(const std::optional<Motion>& moved,
 }
 
 double ParticleFilter::informationExponent(const MapView& map, const Scan& scan) {
-  const ScanMatch match = match_evaluator_.evaluate(map, result_.best_match, scan);
+  Eigen::Index best = 0;
+  log_likelihoods_.maxCoeff(&best);
+  const ScanMatch match = match_evaluator_.evaluate(map, particles_.pose(best), scan);
   return informationExponentOf(match.inlier_ratio);
 }
 

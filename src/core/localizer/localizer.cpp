@@ -184,6 +184,7 @@ double Localizer::decorrelationDistance() const {
 }
 
 void Localizer::relocalize(bool just_converged, Step* step, UpdateResult* update) {
+  using Purpose = HypothesisVerifier::Purpose;
   using Decision = HypothesisVerifier::Decision;
   if (!filter_.converged()) return;
   const Scan& scan = step->scan.beams;
@@ -205,10 +206,10 @@ void Localizer::relocalize(bool just_converged, Step* step, UpdateResult* update
       update->clusters.push_back({*verifier_.candidate(), verifier_.candidateProbability(), 0});
     }
   } else if (parameters_.relocalization == Relocalization::kFull && recovery_.searchIsDue()) {
-    verifier_.startChallenge(searchMap(), scan, monitor_.wasLocalized());
+    verifier_.start(Purpose::kChallenge, searchMap(), scan, monitor_.wasLocalized());
   }
   if (!just_converged || parameters_.relocalization == Relocalization::kOff) return;
-  verifier_.startConfirmation(searchMap(), scan);
+  verifier_.start(Purpose::kConfirm, searchMap(), scan);
   scans_since_stop_ = 0;  // scans of a stationary car are used for the confirmation
 }
 

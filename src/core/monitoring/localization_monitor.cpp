@@ -182,7 +182,7 @@ LocalizationStatus LocalizationMonitor::conclude(const MonitorInput& input) cons
   }
   if (input.unconfirmed) {
     return status(LocalizationState::kInitializing,
-                  "another place on the map may be the right one");
+                  "a second search of the map has not agreed yet");
   }
   return status(LocalizationState::kLocalized, fit);
 }

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
-#include "racecar_mcl/filter/convergence.h"
 #include "racecar_mcl/filter/resampling.h"
 #include "racecar_mcl/filter/tempering.h"
 #include "racecar_mcl/scan/beam_selection.h"
@@ -42,23 +40,6 @@ float minScoreOfBest(const Eigen::ArrayXf& scores, std::size_t count) {
   std::size_t bin = kBins;
   for (std::size_t above = histogram[bin]; bin > 0 && above < count; above += histogram[bin]) --bin;
   return lowest + bin_width * static_cast<float>(bin);
-}
-
-/// Removes the poses at this place, unless there are no others.
-void removePlace(const Pose2& place, ParticleSet* poses) {
-  ParticleSet others;
-  others.resize(poses->size());
-  Eigen::Index count = 0;
-  for (Eigen::Index i = 0; i < poses->size(); ++i) {
-    if (isSamePlace(poses->pose(i), place)) continue;
-    others.setPose(count, poses->pose(i));
-    others.log_weight[count++] = poses->log_weight[i];
-  }
-  if (count == 0) return;
-  for (Eigen::ArrayXd* array : {&others.x, &others.y, &others.yaw, &others.log_weight}) {
-    array->conservativeResize(count);
-  }
-  *poses = std::move(others);
 }
 
 }  // namespace
@@ -128,10 +109,9 @@ ParticleSet GlobalScanMatcher::bestPoses(const Eigen::ArrayXf& scores) const {
   return best;
 }
 
-ParticleSet GlobalScanMatcher::candidates(const Scan& beams, Eigen::Index count, Random& random,
-                                          const std::optional<Pose2>& except) const {
+ParticleSet GlobalScanMatcher::candidates(const Scan& beams, Eigen::Index count,
+                                          Random& random) const {
   ParticleSet lattice = bestPoses(coarseScores(beams));
-  if (except) removePlace(*except, &lattice);
   temper(kEffectiveLatticePoses, &lattice.log_weight);
 
   ParticleSet drawn =

@@ -104,34 +104,6 @@ TEST(GlobalScanMatcher, KeepsEveryMatchingPlace) {
   EXPECT_GT(shareNear(candidates, twin), 0.05);
 }
 
-TEST(GlobalScanMatcher, LeavesOutAPlace) {
-  const Pose2 pose{4.0, 2.5, 0.4};
-  const Pose2 opposite{8.0, 5.5, 0.4 - kPi};
-  const OccupancyGrid grid = bareRoom();
-  const GlobalScanMatcher matcher(grid, {});
-  Random random(1);
-  const ParticleSet found = matcher.candidates(scanFrom(grid, pose), 2000, random, pose);
-  EXPECT_EQ(found.size(), 2000);
-  EXPECT_EQ(shareNear(found, pose), 0.0);
-  EXPECT_GT(shareNear(found, opposite),
-            1.2 * shareNear(matcher.candidates(scanFrom(grid, pose), 2000, random), opposite));
-}
-
-TEST(GlobalScanMatcher, LeavesNoPlaceOutIfThereIsNoOther) {
-  const OccupancyGrid grid = bareRoom();
-  GlobalScanMatcherParameters parameters;
-  parameters.search_spacing = 10.0;  // one position
-  parameters.search_yaw_spacing = 1.0;
-  const GlobalScanMatcher matcher(grid, parameters);
-  const Scan scan = scanFrom(grid, {4.0, 2.5, 0.4});
-  Random random(1);
-  for (int i = 0; i < 7; ++i) {
-    const ParticleSet found = matcher.candidates(scan, 100, random, Pose2{5.0, 5.0, i * 0.9});
-    ASSERT_EQ(found.size(), 100);
-    EXPECT_TRUE(found.x.allFinite());
-  }
-}
-
 TEST(GlobalScanMatcher, SearchesOnlyFreeSpace) {
   const OccupancyGrid grid = flat();
   const GlobalScanMatcher search(grid, {});
