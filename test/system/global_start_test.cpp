@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "offline/simulated_drive.h"
+#include "support/analytic_room.h"
 
 namespace racecar_mcl {
 namespace {
@@ -158,6 +160,21 @@ TEST_P(GlobalStartTest, IsConfirmedWhereTheCarStands) {
     EXPECT_LT(error, 0.2) << seed;
   }
   EXPECT_GE(confirmed, 3);
+}
+
+TEST(AmbiguousMap, IsNeverLocalizedFromAGlobalStart) {
+  const OccupancyGrid grid = Room{9.0, 6.0}.grid();  // symmetric under half a turn
+  LocalizerParameters parameters;
+  const Course course{std::make_shared<const sim::World>(grid),
+                      makeLocalizationMap(grid, parameters)};
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SimulatedDrive drive(course, parameters, {}, {3.0, 1.0, 0.0}, 2.0, seed);
+    ASSERT_TRUE(drive.localizer().initializeGlobally());
+    drive.drive(15.0, [&](const Observation& seen) {
+      ASSERT_NE(seen.result.status.state, LocalizationState::kLocalized)
+          << seed << " at " << seen.result.stamp << ", error " << seen.error;
+    });
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, GlobalStartTest, ::testing::Values("corridor", "track"),
