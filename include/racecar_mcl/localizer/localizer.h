@@ -19,8 +19,7 @@
 
 namespace racecar_mcl {
 
-/// Not thread-safe, except for the methods that only access the PoseExtrapolator: these may be
-/// called from any thread at any time, so that odometry does not wait for a scan.
+/// Not thread-safe, except for the methods marked so: odometry does not wait for a scan.
 class Localizer {
  public:
   /// Throws as `validate` does.
@@ -89,6 +88,7 @@ class Localizer {
     bool is_refined = false;       ///< `motion` was refined by the lidar odometry
     bool is_stationary = false;    ///< and stationary_updates scans were used since the stop
     bool jumped = false;  ///< the particles were replaced: the correction is no odometry error
+    ScanScore score;      ///< at the estimate
   };
 
   ScanOutcome check(const Scan& scan);
@@ -99,7 +99,7 @@ class Localizer {
   void predict(Step* step);
   void reweight(const Step& step, UpdateResult* update);
   void relocalize(bool just_converged, Step* step, UpdateResult* update);
-  void monitor(const Step& step, const PoseEstimate& estimate, ScanResult* result);
+  void monitor(const PoseEstimate& estimate, Step* step, ScanResult* result);
   void learn(const Step& step, const ScanResult& result);
   void calibrate(const Step& step, const Pose2& estimate, double travelled);
   void count(ScanOutcome outcome);

@@ -5,6 +5,7 @@
 
 #include "racecar_mcl/scan/scan.h"
 #include "racecar_mcl/sensor/map_view.h"
+#include "racecar_mcl/sensor/scan_score.h"
 
 namespace racecar_mcl {
 
@@ -16,10 +17,10 @@ struct Localizability {
   double heading = 10.0;  ///< rad
 };
 
-/// Fisher information of a scan at this pose about the lidar's (x, y, yaw) in the map, with the
-/// field's exponent.
-Eigen::Matrix3d scanInformation(const LikelihoodField& field, const Pose2& lidar_in_map,
-                                const Scan& beams);
+/// Fisher information of a scan about the lidar's (x, y, yaw) in the map.
+inline Eigen::Matrix3d poseInformation(const ScanScore& scan) {
+  return scan.information.topLeftCorner<3, 3>();
+}
 
 /// The information that a scan with these bearings (rad) can be expected to have: the beams end at
 /// the map's surfaces, displaced by their noise (half of field_scale).

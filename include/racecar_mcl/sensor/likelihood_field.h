@@ -48,10 +48,10 @@ class LikelihoodField {
   void logLikelihood(const PoseBatch& lidar_in_map, const Scan& beams,
                      Eigen::Ref<Eigen::ArrayXd> log_likelihood) const;
 
-  /// The log-likelihood of each of K beams: K values, without the exponent; NaN for beams that are
-  /// not evaluated.
-  void beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams,
-                          Eigen::Ref<Eigen::ArrayXf> log_likelihoods) const;
+  /// The log-likelihood of each of K beams from each of N lidar poses: K x N, without the exponent;
+  /// NaN for beams that are not evaluated.
+  void beamLogLikelihoods(const PoseBatch& lidar_in_map, const Scan& beams,
+                          Eigen::Ref<Eigen::ArrayXXf> log_likelihoods) const;
   Eigen::ArrayXf beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams) const;
   /// The log-likelihood of a beam that ends `distance` (m) from the nearest surface.
   double logLikelihoodAt(double distance) const;

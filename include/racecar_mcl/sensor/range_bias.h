@@ -6,11 +6,7 @@
 // an error of the position along the path, whatever the number of particles.
 #pragma once
 
-#include <Eigen/Core>
-
-#include "racecar_mcl/geometry/pose2.h"
-#include "racecar_mcl/scan/scan.h"
-#include "racecar_mcl/sensor/likelihood_field.h"
+#include "racecar_mcl/sensor/scan_score.h"
 
 namespace racecar_mcl {
 
@@ -35,10 +31,9 @@ class RangeBias {
   /// changes nothing.
   void setParameters(const RangeBiasParameters& parameters);
 
-  /// Updates the estimate with a corrected and deskewed scan at this pose; `travelled`: m driven
+  /// Updates the estimate with the score of a corrected and deskewed scan; `travelled`: m driven
   /// since the last one.
-  void learn(const LikelihoodField& field, const Pose2& base_in_map, const Scan& beams,
-             double travelled);
+  void learn(const ScanScore& scan, double travelled);
 
   /// Continues from the estimate of an earlier run, within the limits; not if the bias is constant.
   void resume(double bias);

@@ -94,7 +94,7 @@ void Localizer::run(const Scan& scan, ScanResult* result) {
   if (step.is_stationary) {
     result->outcome = ScanOutcome::kStationary;
     estimate = step.before;
-    monitor(step, step.predicted, result);
+    monitor(step.predicted, &step, result);
     return;
   }
   if (global_start_pending_) {
@@ -107,7 +107,7 @@ void Localizer::run(const Scan& scan, ScanResult* result) {
   }
   addSurfaceError(*map_, &estimate);
   if (result->update.weights_vanished) result->outcome = ScanOutcome::kWeightsVanished;
-  monitor(step, estimate, result);
+  monitor(estimate, &step, result);
   learn(step, *result);
   extrapolator_.setReference(estimate, step.stamp, calibration_, noise_adaptation_.noiseScale(),
                              slip_compensation_);

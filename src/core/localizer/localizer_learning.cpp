@@ -16,24 +16,24 @@ constexpr double kMinBaselineOfCompleteMap = 0.9;
 
 }  // namespace
 
-void Localizer::monitor(const Step& step, const PoseEstimate& estimate, ScanResult* result) {
+void Localizer::monitor(const PoseEstimate& estimate, Step* step, ScanResult* result) {
+  const Scan& beams = step->scan.beams;
   // Of the odometry, or of the motion that scan matching refined.
-  const Pose2& delta = step.is_refined ? step.motion.delta : step.odometry_motion.delta;
-  const Pose2 correction = between(compose(step.before.base_in_map, delta), estimate.base_in_map);
-  result->match = match_evaluator_.evaluate(map_->view(), estimate.base_in_map, step.scan.beams);
+  const Pose2& delta = step->is_refined ? step->motion.delta : step->odometry_motion.delta;
+  const Pose2 correction = between(compose(step->before.base_in_map, delta), estimate.base_in_map);
+  result->match = match_evaluator_.evaluate(map_->view(), estimate.base_in_map, beams);
+  const LikelihoodField& field =
+      map_->likelihood_field ? *map_->likelihood_field : map_->matcher.field();
+  step->score = scanScore(field, compose(estimate.base_in_map, beams.laser_in_base), beams);
   MonitorInput input;
   input.stamp = result->stamp;
   input.match = result->match;
   input.converged = filter_.converged();
   input.unconfirmed = verifier_.confirming();
   input.estimate = estimate;
-  input.localizability = localizabilityOf(
-      scanInformation(map_->likelihood_field ? *map_->likelihood_field : map_->matcher.field(),
-                      compose(estimate.base_in_map, step.scan.beams.laser_in_base),
-                      step.scan.beams),
-      estimate.base_in_map.yaw);
-  input.travelled = step.motion.distance;
-  input.jumped = step.jumped;
+  input.localizability = localizabilityOf(poseInformation(step->score), estimate.base_in_map.yaw);
+  input.travelled = step->motion.distance;
+  input.jumped = step->jumped;
   input.correction = {correction.x, correction.y};
   result->status = monitor_.update(input);
   recovery_.update({result->stamp, filter_.converged(), result->status.conflict});
@@ -81,7 +81,7 @@ void Localizer::calibrate(const Step& step, const Pose2& estimate, double travel
                     : 0.0;
   // A sweep that fits the map better in the opposite order is distorted.
   if (map_->likelihood_field && !(direction_log_odds < 0.0)) {
-    lidar.range_bias.learn(*map_->likelihood_field, estimate, step.scan.beams, travelled);
+    lidar.range_bias.learn(step.score, travelled);
   }
   if (step.mirrored && lidar.direction.learn(direction_log_odds, step.scan.turned)) {
     // Discard what was estimated from sweeps deskewed in the wrong order.

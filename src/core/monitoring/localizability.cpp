@@ -6,8 +6,6 @@
 #include <initializer_list>
 #include <limits>
 
-#include "racecar_mcl/sensor/beam_scores.h"
-
 namespace racecar_mcl {
 namespace {
 
@@ -18,12 +16,6 @@ constexpr double kMaxSigma = 10.0;  // m, rad
 constexpr double kDisplacementPerScale = 0.5;
 
 }  // namespace
-
-Eigen::Matrix3d scanInformation(const LikelihoodField& field, const Pose2& lidar_in_map,
-                                const Scan& beams) {
-  const Eigen::Matrix4Xd scores = beamScores(field, lidar_in_map, beams);
-  return field.likelihoodExponent() * scores.topRows<3>() * scores.topRows<3>().transpose();
-}
 
 Eigen::Matrix3d expectedInformation(const MapView& map, const LikelihoodField& field,
                                     const Pose2& lidar_in_map, const Eigen::ArrayXf& bearings) {
@@ -38,7 +30,7 @@ Eigen::Matrix3d expectedInformation(const MapView& map, const LikelihoodField& f
     beams.ranges = (ranges.col(0) < static_cast<float>(map.caster.maxRange()))
                        .select(beams.ranges, std::numeric_limits<float>::infinity());
     beams.seconds_after_stamp = Eigen::ArrayXf::Zero(bearings.size());
-    information += 0.5 * scanInformation(field, lidar_in_map, beams);
+    information += 0.5 * poseInformation(scanScore(field, lidar_in_map, beams));
   }
   return information;
 }

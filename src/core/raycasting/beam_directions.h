@@ -14,14 +14,20 @@ template <typename Scalar>
 struct BeamDirections {
   /// Takes up to kBlockSize finite bearings from index `from` on; `end` is the index after the
   /// last.
-  BeamDirections(const Eigen::ArrayXf& bearings, Eigen::Index from) : end(from) {
+  RACECAR_MCL_INLINE BeamDirections(const Eigen::ArrayXf& bearings, Eigen::Index from)
+      : end(from) {
+    std::array<float, kBlockSize> bearing;
     for (; end < bearings.size() && size < kBlockSize; ++end) {
       if (!std::isfinite(bearings[end])) continue;
-      const double bearing = static_cast<double>(bearings[end]);
       const auto k = static_cast<std::size_t>(size++);
       index[k] = end;
-      cosine[k] = static_cast<Scalar>(std::cos(bearing));
-      sine[k] = static_cast<Scalar>(std::sin(bearing));
+      bearing[k] = bearings[end];
+    }
+    for (std::size_t k = 0; k < static_cast<std::size_t>(size); ++k) {
+      double s, c;
+      sinCos(static_cast<double>(bearing[k]), &s, &c);
+      cosine[k] = static_cast<Scalar>(c);
+      sine[k] = static_cast<Scalar>(s);
     }
   }
 

@@ -122,7 +122,9 @@ Scan selectBeamsBoxed(const Scan& scan, int count, double field_of_view, double 
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const double ratio =
         chosen.size() == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(chosen.size() - 1);
-    const double target = boxBearing(std::remainder(first + ratio * whole, perimeter), aspect);
+    const double length = first + ratio * whole;
+    const double target =
+        boxBearing(length > perimeter / 2.0 ? length - perimeter : length, aspect);
     const auto error = [&](std::size_t i) {
       return std::abs(wrapAngle(usable[i].bearing - target));
     };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "simd/vector_math.h"
+
 namespace racecar_mcl {
 namespace {
 
@@ -46,6 +48,14 @@ class LidarMotion {
   std::vector<Pose2> poses_;
 };
 
+/// The angle of a point, rad; a series for the points near the x axis.
+double angleOf(double x, double y) {
+  const double t = y / x;
+  if (!(x > 0.0 && std::abs(t) < 0.1)) return std::atan2(y, x);
+  const double t2 = t * t;
+  return t * (1.0 - t2 * (1.0 / 3.0 - t2 * (1.0 / 5.0 - t2 * (1.0 / 7.0 - t2 * (1.0 / 9.0)))));
+}
+
 }  // namespace
 
 Scan deskew(const Scan& scan, const BaseAfter& base_after) {
@@ -59,11 +69,13 @@ Scan deskew(const Scan& scan, const BaseAfter& base_after) {
       deskewed.bearings[i] = static_cast<float>(wrapAngle(bearing));
       continue;
     }
-    const double range = static_cast<double>(scan.ranges[i]);
-    const double x = laser.x + range * std::cos(bearing);
-    const double y = laser.y + range * std::sin(bearing);
-    deskewed.bearings[i] = static_cast<float>(std::atan2(y, x));
-    deskewed.ranges[i] = static_cast<float>(std::sqrt(x * x + y * y));
+    double sine, cosine;
+    sinCos(bearing, &sine, &cosine);
+    // The end point, along and across the beam.
+    const double along = static_cast<double>(scan.ranges[i]) + laser.x * cosine + laser.y * sine;
+    const double across = laser.y * cosine - laser.x * sine;
+    deskewed.bearings[i] = static_cast<float>(wrapAngle(bearing + angleOf(along, across)));
+    deskewed.ranges[i] = static_cast<float>(std::sqrt(along * along + across * across));
   }
   deskewed.seconds_after_stamp.setZero();
   return deskewed;

@@ -17,7 +17,7 @@ void computeBeamResiduals(const MapView& map, const Pose2& base_in_map, const Sc
     if (!(expected(k) < max_range)) expected(k) = std::numeric_limits<float>::quiet_NaN();
   }
   residuals->log_likelihoods.resize(scan.size());
-  map.field.beamLogLikelihoods(lidar, scan, residuals->log_likelihoods);
+  map.field.beamLogLikelihoods(batchOf(lidar), scan, residuals->log_likelihoods);
 }
 
 float logLikelihoodNearSurface(const MapView& map, double distance) {

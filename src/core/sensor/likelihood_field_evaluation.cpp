@@ -54,16 +54,27 @@ struct LidarInField {
 /// block. Up to a multiple of kLanes it is filled with NaN, which ends outside the field, so that
 /// loops over `lanes` need no remainder.
 struct EndPoints {
-  EndPoints(const Scan& beams, Eigen::Index first, float max_range, double resolution)
+  RACECAR_MCL_INLINE EndPoints(const Scan& beams, Eigen::Index first, float max_range,
+                               double resolution)
       : end(first) {
-    const auto cells_per_metre = static_cast<float>(1.0 / resolution);
+    alignas(64) std::array<float, kBlockSize> range, bearing;
     for (; end < beams.size() && count < kBlockSize; ++end) {
       if (!(beams.ranges[end] < max_range)) continue;
-      x[count] = beams.ranges[end] * std::cos(beams.bearings[end]) * cells_per_metre;
-      y[count] = beams.ranges[end] * std::sin(beams.bearings[end]) * cells_per_metre;
+      range[count] = beams.ranges[end];
+      bearing[count] = beams.bearings[end];
       index[count++] = end;
     }
-    for (int k = count; k < lanes(); ++k) x[k] = y[k] = std::numeric_limits<float>::quiet_NaN();
+    for (int k = count; k < lanes(); ++k) {
+      range[k] = std::numeric_limits<float>::quiet_NaN();
+      bearing[k] = 0.0F;
+    }
+    const auto cells_per_metre = static_cast<float>(1.0 / resolution);
+    for (int k = 0; k < lanes(); ++k) {
+      double sine, cosine;
+      sinCos(static_cast<double>(bearing[k]), &sine, &cosine);
+      x[k] = range[k] * static_cast<float>(cosine) * cells_per_metre;
+      y[k] = range[k] * static_cast<float>(sine) * cells_per_metre;
+    }
   }
 
   int lanes() const { return (count + kLanes - 1) / kLanes * kLanes; }
@@ -151,24 +162,26 @@ RACECAR_MCL_INLINE float sumOf(const EndValues& values, int count) {
 Eigen::ArrayXf LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map,
                                                    const Scan& beams) const {
   Eigen::ArrayXf log_likelihoods(beams.size());
-  beamLogLikelihoods(lidar_in_map, beams, log_likelihoods);
+  beamLogLikelihoods(batchOf(lidar_in_map), beams, log_likelihoods);
   return log_likelihoods;
 }
 
-void LikelihoodField::beamLogLikelihoods(const Pose2& lidar_in_map, const Scan& beams,
-                                         Eigen::Ref<Eigen::ArrayXf> log_likelihoods) const {
+void LikelihoodField::beamLogLikelihoods(const PoseBatch& lidar_in_map, const Scan& beams,
+                                         Eigen::Ref<Eigen::ArrayXXf> log_likelihoods) const {
   log_likelihoods.setConstant(std::numeric_limits<float>::quiet_NaN());
   const FieldView field(cells_, geometry_);
   for (Eigen::Index first = 0; first < beams.size();) {
-    const EndPoints ends(beams, first, max_range_, geometry_.resolution);
-    first = ends.end;
-    alignas(64) EndValues steps;
     runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
-      stepsAt(field, LidarInField(field, lidar_in_map), ends, steps);
+      const EndPoints ends(beams, first, max_range_, geometry_.resolution);
+      first = ends.end;
+      alignas(64) EndValues steps;
+      for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
+        stepsAt(field, LidarInField(field, lidar_in_map.pose(i)), ends, steps);
+        for (int k = 0; k < ends.count; ++k) {
+          log_likelihoods(ends.index[k], i) = log_rand_ + log_step_ * steps[k];
+        }
+      }
     });
-    for (int k = 0; k < ends.count; ++k) {
-      log_likelihoods[ends.index[k]] = log_rand_ + log_step_ * steps[k];
-    }
   }
 }
 
@@ -177,10 +190,10 @@ void LikelihoodField::logLikelihood(const PoseBatch& lidar_in_map, const Scan& b
   log_likelihood.setZero();
   const FieldView field(cells_, geometry_);
   for (Eigen::Index first = 0; first < beams.size();) {
-    const EndPoints ends(beams, first, max_range_, geometry_.resolution);
-    first = ends.end;
-    const float outside = static_cast<float>(ends.count) * log_rand_;
     runWith(fastestInstructionSet(), [&]() RACECAR_MCL_INLINE_LAMBDA {
+      const EndPoints ends(beams, first, max_range_, geometry_.resolution);
+      first = ends.end;
+      const float outside = static_cast<float>(ends.count) * log_rand_;
       alignas(64) EndValues steps;
       for (Eigen::Index i = 0; i < lidar_in_map.size; ++i) {
         stepsAt(field, LidarInField(field, lidar_in_map.pose(i)), ends, steps);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "racecar_mcl/common/validation.h"
-#include "racecar_mcl/sensor/beam_scores.h"
 
 namespace racecar_mcl {
 namespace {
@@ -45,14 +44,9 @@ void RangeBias::resume(double bias) {
   if (parameters_.range_bias_distance > 0.0) bias_ = std::clamp(bias, -kMaxBias, kMaxBias);
 }
 
-void RangeBias::learn(const LikelihoodField& field, const Pose2& base_in_map, const Scan& beams,
-                      double travelled) {
+void RangeBias::learn(const ScanScore& scan, double travelled) {
   if (parameters_.range_bias_distance <= 0.0) return;
-  const Eigen::Matrix4Xd scores =
-      beamScores(field, compose(base_in_map, beams.laser_in_base), beams);
-  const Eigen::Vector4d score = field.likelihoodExponent() * scores.rowwise().sum();
-  const Eigen::Matrix4d information = field.likelihoodExponent() * scores * scores.transpose();
-
+  const Eigen::Matrix4d& information = scan.information;
   Eigen::Matrix3d pose_information = information.topLeftCorner<3, 3>();
   pose_information.diagonal() += kPosePriorSigma.cwiseAbs2().cwiseInverse();
   // Schur complement: marginalises the pose.
@@ -62,7 +56,7 @@ void RangeBias::learn(const LikelihoodField& field, const Pose2& base_in_map, co
   const double decorrelation = std::min(1.0, travelled / kDecorrelationDistance);
   const double bias_information =
       decorrelation * (information(3, 3) - coupling.dot(information.topRightCorner<3, 1>()));
-  const double bias_score = decorrelation * (score[3] - coupling.dot(score.head<3>()));
+  const double bias_score = decorrelation * (scan.score[3] - coupling.dot(scan.score.head<3>()));
 
   const double keep = std::exp(-travelled / parameters_.range_bias_distance);
   const double prior = 1.0 / (kPriorSigma * kPriorSigma);

@@ -53,8 +53,8 @@ TEST(Localizability, IsUnlimitedWithoutBeams) {
   const auto map = corridor(true);
   Scan beams;
   beams.bearings = beams.ranges = beams.seconds_after_stamp = Eigen::ArrayXf::Zero(0);
-  const Localizability none =
-      localizabilityOf(scanInformation(*map->likelihood_field, {15.0, 1.1, 0.0}, beams), 0.3);
+  const Localizability none = localizabilityOf(
+      poseInformation(scanScore(*map->likelihood_field, {15.0, 1.1, 0.0}, beams)), 0.3);
   EXPECT_NEAR(none.along, 10.0, 1e-9);
   EXPECT_NEAR(none.across, 10.0, 1e-9);
   EXPECT_NEAR(none.heading, 10.0, 1e-9);

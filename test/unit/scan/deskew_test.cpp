@@ -105,6 +105,25 @@ TEST(DeskewBeams, OnlyRotatesBeamsWithoutReturn) {
   EXPECT_NEAR(straight.bearings[2], wrapAngle(3.4), 1e-6);
 }
 
+TEST(DeskewBeams, MovesEndPointsNextToTheLidarAndBehindIt) {
+  Scan scan = fan(4);
+  scan.laser_in_base = {};
+  scan.ranges << 0.3f, 0.3f, 2.0f, 0.01f;
+  scan.bearings << 0.0f, 0.5f, -3.0f, 1.0f;
+  scan.seconds_after_stamp << 0.0f, 1.0f, 1.0f, 1.0f;
+  const Pose2 last{-0.5, 0.2, 0.3};
+  const Scan straight = deskew(scan, [&](double seconds) {
+    return Pose2{seconds * last.x, seconds * last.y, seconds * last.yaw};
+  });
+  for (Eigen::Index i = 1; i < scan.size(); ++i) {
+    const double bearing = static_cast<double>(scan.bearings[i]);
+    const double range = static_cast<double>(scan.ranges[i]);
+    const Pose2 end = compose(last, {range * std::cos(bearing), range * std::sin(bearing), 0.0});
+    EXPECT_NEAR(static_cast<double>(straight.ranges[i]), std::hypot(end.x, end.y), 1e-6) << i;
+    EXPECT_NEAR(static_cast<double>(straight.bearings[i]), std::atan2(end.y, end.x), 1e-6) << i;
+  }
+}
+
 TEST(DeskewBeams, DoesNotChangeTheScanOfAStationaryCar) {
   const Scan scan = fan(181);
   const Scan straight = deskew(scan, [](double) { return Pose2{}; });

@@ -38,6 +38,10 @@ class RangeBiasTest : public ::testing::Test {
     return scan;
   }
 
+  ScanScore scoreAt(const Pose2& base_in_map, const Scan& scan) const {
+    return scanScore(field_, compose(base_in_map, scan.laser_in_base), scan);
+  }
+
   /// The estimate after a drive. `lead`: the estimated pose in the frame of the true one.
   double biasAfter(double metres, double too_long, const Pose2& lead = {},
                    const RangeBiasParameters& parameters = {}) const {
@@ -45,7 +49,7 @@ class RangeBiasTest : public ::testing::Test {
     for (double travelled = 0.0; travelled < metres; travelled += kStep) {
       Scan scan = scanAt(travelled, too_long);
       scan.ranges -= static_cast<float>(bias.bias());
-      bias.learn(field_, compose(truthAt(travelled), lead), scan, kStep);
+      bias.learn(scoreAt(compose(truthAt(travelled), lead), scan), kStep);
       EXPECT_LE(std::abs(bias.bias()), 0.1);
     }
     return bias.bias();
@@ -115,7 +119,7 @@ TEST_F(RangeBiasTest, FollowsAChangingBiasFasterWithAShorterDistance) {
     for (double travelled = 0.0; travelled < 60.0; travelled += kStep) {
       Scan scan = scanAt(travelled, travelled < 57.0 ? 0.0 : 0.05);
       scan.ranges -= static_cast<float>(bias.bias());
-      bias.learn(field_, truthAt(travelled), scan, kStep);
+      bias.learn(scoreAt(truthAt(travelled), scan), kStep);
     }
     return bias.bias();
   };
@@ -131,7 +135,7 @@ TEST(RangeBias, IsUnchangedByAScanWithoutReturns) {
   for (const float nothing :
        {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
     scan.ranges.setConstant(nothing);
-    bias.learn(field, {4.0, 2.5, 0.0}, scan, 1.0);
+    bias.learn(scanScore(field, {4.0, 2.5, 0.0}, scan), 1.0);
     EXPECT_EQ(bias.bias(), 0.0);
   }
 }
