@@ -6,11 +6,14 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
 
+#include "offline/bag_structure.h"
 #include "offline/recorded_message.h"
 #include "racecar_mcl/common/printable.h"
 
@@ -43,6 +46,12 @@ bool beginsAsBag(const std::string& path) {
   return std::ifstream(path, std::ios::binary).read(begin.data(), begin.size()) && begin == magic;
 }
 
+/// ros::Duration cannot hold the seconds between any two times.
+ros::Time later(const ros::Time& time, double seconds) {
+  return ros::Time().fromNSec(time.toNSec() +
+                              static_cast<std::uint64_t>(std::llround(seconds * 1e9)));
+}
+
 void insertTransforms(const tf2_msgs::TFMessage& message, bool is_static,
                       tf2::BufferCore* transforms) {
   for (geometry_msgs::TransformStamped transform : message.transforms) {
@@ -58,6 +67,7 @@ BagReader::BagReader(const std::vector<std::string>& paths, const BagSpan& span)
   for (const std::string& path : paths) {
     auto bag = std::make_unique<rosbag::Bag>();
     try {
+      checkBagStructure(path);
       bag->open(path, rosbag::bagmode::Read);
     } catch (const rosbag::BagUnindexedException&) {
       throw BagError(path + ": the bag has no index (interrupted recording?); " +
@@ -82,7 +92,7 @@ BagReader::Interval BagReader::intervalOf(const BagSpan& span) const {
     all.from = std::min(all.from, view.getBeginTime());
     all.to = std::max(all.to, view.getEndTime());
   }
-  const double duration = all.from <= all.to ? (all.to - all.from).toSec() : 0.0;
+  const double duration = all.from <= all.to ? all.to.toSec() - all.from.toSec() : 0.0;
   if (span.start > 0.0 && span.start >= duration) {
     std::ostringstream problem;
     problem << names() << ": no messages from " << span.start << " s on; the duration is "
@@ -90,9 +100,9 @@ BagReader::Interval BagReader::intervalOf(const BagSpan& span) const {
     throw BagError(problem.str());
   }
   Interval interval;
-  if (span.start > 0.0) interval.from = all.from + ros::Duration(span.start);
+  if (span.start > 0.0) interval.from = later(all.from, span.start);
   if (span.start + span.duration < duration) {
-    interval.to = all.from + ros::Duration(span.start + span.duration);
+    interval.to = later(all.from, span.start + span.duration);
   }
   return interval;
 }
