@@ -14,8 +14,7 @@ template <typename Scalar>
 struct BeamDirections {
   /// Takes up to kBlockSize finite bearings from index `from` on; `end` is the index after the
   /// last.
-  RACECAR_MCL_INLINE BeamDirections(const Eigen::ArrayXf& bearings, Eigen::Index from)
-      : end(from) {
+  RACECAR_MCL_INLINE BeamDirections(const Eigen::ArrayXf& bearings, Eigen::Index from) : end(from) {
     std::array<float, kBlockSize> bearing;
     for (; end < bearings.size() && size < kBlockSize; ++end) {
       if (!std::isfinite(bearings[end])) continue;
