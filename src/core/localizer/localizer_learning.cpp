@@ -89,10 +89,9 @@ void Localizer::calibrate(const Step& step, const ScanResult& result, double tra
   LidarState& lidar = lidarAt(step.scan.beams.lidar);
   const PoseEstimate predicted =
       propagate(step.before, step.motion.delta, motionCovariance(parameters_.motion, step.motion));
-  const double explained = std::min(monitor_.baseline(), result.status.inlier_ratio);
   calibration_.learn(step.motion, correctionOf(predicted, result.update.estimate),
                      {monitor_.baseline() >= kMinInlierRatioOfCompleteMap,
-                      explained >= kMinInlierRatioOfCompleteMap});
+                      result.status.inlier_ratio >= kMinInlierRatioOfCompleteMap});
   const double direction_log_odds =
       step.mirrored ? scanLogOdds(map_->matcher.field(), estimate, step.scan.beams, *step.mirrored)
                     : 0.0;
