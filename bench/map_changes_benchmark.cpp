@@ -43,21 +43,13 @@ std::vector<Row> rows(const MapChangeDrive& common) {
   return all;
 }
 
-/// Sums of several drives; the greatest of their greatest errors.
+/// Of several drives.
 struct Total {
   MapChangeScore score;
   std::uint32_t views = 0;
 
   void add(const MapChangeEvaluation& evaluation) {
-    const MapChangeScore& drive = evaluation.score();
-    score.visible_new += drive.visible_new;
-    score.found_new += drive.found_new;
-    score.visible_gone += drive.visible_gone;
-    score.found_gone += drive.found_gone;
-    score.regions += drive.regions;
-    score.false_regions += drive.false_regions;
-    score.mean_error += drive.mean_error;
-    score.max_error = std::max(score.max_error, drive.max_error);
+    score += evaluation.score();
     views += evaluation.views();
   }
 };

@@ -6,6 +6,7 @@
 #include <boost/interprocess/mapped_region.hpp>
 #include <cstdint>
 #include <cstring>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -133,7 +134,7 @@ class BagCheck {
         addChunkInfo(record);
         break;
       case kConnection:
-        connections_.push_back(checkConnection(record));
+        connections_.insert(checkConnection(record));
         break;
       default:
         break;
@@ -148,7 +149,7 @@ class BagCheck {
                                                         std::to_string(index_position_) +
                                                         ", where the index should begin");
     for (const std::uint32_t used : used_connections_) {
-      require(std::find(connections_.begin(), connections_.end(), used) != connections_.end(),
+      require(connections_.count(used) != 0,
               "the connection " + std::to_string(used) + " is not described");
     }
   }
@@ -170,7 +171,7 @@ class BagCheck {
 
   /// Index of the messages of one connection in the last chunk.
   void addIndex(const Record& record) {
-    use(record.header.number<std::uint32_t>("conn"));
+    used_connections_.insert(record.header.number<std::uint32_t>("conn"));
     requireEntries(record, kIndexEntry);
     for (Reader in(record.data); !in.atEnd();) {
       in.take(kIndexEntry - sizeof(std::uint32_t));
@@ -199,17 +200,10 @@ class BagCheck {
                 std::to_string(count) + " entries");
   }
 
-  void use(std::uint32_t connection) {
-    if (std::find(used_connections_.begin(), used_connections_.end(), connection) ==
-        used_connections_.end()) {
-      used_connections_.push_back(connection);
-    }
-  }
-
   std::uint64_t index_position_ = 0;
   bool index_found_ = false;
   std::vector<std::uint64_t> chunks_;  ///< positions
-  std::vector<std::uint32_t> connections_, used_connections_;
+  std::set<std::uint32_t> connections_, used_connections_;
   // Of the last chunk:
   bool is_compressed_ = false;
   std::uint32_t chunk_size_ = 0;         ///< bytes, not compressed

@@ -47,6 +47,19 @@ struct MapChangeScore {
   int visible_gone = 0, found_gone = 0;      ///< cells
   int regions = 0, false_regions = 0;        ///< a false region has no cell at a changed one
   double mean_error = 0.0, max_error = 0.0;  ///< m, of the pose
+
+  /// Sums of several drives; the greatest of their greatest errors.
+  MapChangeScore& operator+=(const MapChangeScore& drive) {
+    visible_new += drive.visible_new;
+    found_new += drive.found_new;
+    visible_gone += drive.visible_gone;
+    found_gone += drive.found_gone;
+    regions += drive.regions;
+    false_regions += drive.false_regions;
+    mean_error += drive.mean_error;
+    max_error = std::max(max_error, drive.max_error);
+    return *this;
+  }
 };
 
 /// Throws as loadWrongCourse.

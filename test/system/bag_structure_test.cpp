@@ -31,14 +31,8 @@ class BagStructure : public RoomFolder {
     return folder_.write("changed.bag", bag);
   }
 
-  /// The position after the nth occurrence of a text.
-  std::size_t after(const std::string& text, int n = 1) const {
-    std::size_t position = 0;
-    for (int i = 0; i < n && position != std::string::npos; ++i) {
-      position = bytes_.find(text, position) + text.size();
-    }
-    return position;
-  }
+  /// The position after the first occurrence of a text.
+  std::size_t after(const std::string& text) const { return bytes_.find(text) + text.size(); }
 
   static std::string problemOf(const std::string& bag) {
     try {
@@ -91,23 +85,23 @@ TEST_F(BagStructure, WhatIsNoBagOrHasNoIndexIsLeftToRosbag) {
 
 TEST_F(BagStructure, DamagedRecordsAreFound) {
   const std::uint32_t huge = 0xfffffff0U;
-  const std::string header_of_message = std::string("\x04\0\0\0op=\x02", 8);
-  const std::string of_index = std::string("\x04\0\0\0op=\x04", 8);
-  const std::string of_chunk_info = std::string("\x04\0\0\0op=\x06", 8);
-  ASSERT_NE(bytes_.find(header_of_message), std::string::npos);
-  // Length of a field, of a message's header and of the chunk's data.
-  EXPECT_NE(problemOf(changedAt(after("#ROSBAG V2.0\n") + 4, huge)), "");
-  EXPECT_NE(problemOf(changedAt(after(header_of_message) - 8, huge)), "");
-  EXPECT_NE(problemOf(changedAt(after("size=") - 9 - 24, huge)), "");
-  // Numbers of entries, and offsets in the index.
-  EXPECT_NE(problemOf(changedAt(after("count=", 3), huge)), "");
-  EXPECT_NE(problemOf(changedAt(after(of_index) + 40, huge)), "");
-  EXPECT_NE(problemOf(changedAt(after("index_pos="), std::uint64_t{4097})), "");
-  EXPECT_NE(problemOf(changedAt(after("chunk_pos="), std::uint64_t{4118})), "");
-  // A connection's number and the name of a field.
-  const std::size_t described = bytes_.rfind("conn=", bytes_.rfind("op=\x07"));
-  EXPECT_NE(problemOf(changedAt(described + 5, huge)), "");
-  EXPECT_NE(problemOf(changedAt(bytes_.rfind("message_definition="), 'M')), "");
+  const auto expectProblem = [this](std::size_t position, const auto& value, const char* words) {
+    const std::string problem = problemOf(changedAt(position, value));
+    EXPECT_NE(problem.find(words), std::string::npos) << "'" << problem << "'; expected: " << words;
+  };
+  const std::size_t message = bytes_.find("op=\x02"), index = bytes_.find("op=\x04"),
+                    connection = bytes_.rfind("op=\x07");
+  expectProblem(after("size="), huge, "the size of a chunk differs");
+  expectProblem(after("size=") + 4, huge, "a length is 4294967280");  // of the chunk
+  expectProblem(message - 4, huge, "a length is 4294967280");         // of a field
+  expectProblem(bytes_.find("time=", message) + 13, huge, "a length is 4294967280");  // of data
+  expectProblem(bytes_.rfind("count=", index) + 6, std::uint32_t{7}, "bytes for 7 entries");
+  expectProblem(bytes_.find("ver=", index) + 20, huge, "no message at 4294967280");
+  expectProblem(after("index_pos="), std::uint64_t{4097}, "no record at 4097");
+  expectProblem(after("chunk_pos="), std::uint64_t{4118}, "no chunk at 4118");
+  expectProblem(bytes_.rfind("conn=", connection) + 5, huge, "is not described");
+  expectProblem(bytes_.rfind("message_definition="), 'M', "'message_definition' is missing");
+  expectProblem(bytes_.find("topic=", connection) + 5, '_', "a field has no name");
 }
 
 TEST_F(BagStructure, TheErrorNamesTheFileAndTheByte) {
@@ -126,8 +120,7 @@ TEST_F(BagStructure, TheErrorNamesTheFileAndTheByte) {
 
 TEST_F(BagStructure, ABagMayLastLongerThanARosDuration) {
   // The time of the index's first message.
-  const std::string of_index = std::string("op=\x04", 4);
-  const std::size_t entry = bytes_.find("ver=", after(of_index)) + 8 + 4;
+  const std::size_t entry = bytes_.find("ver=", bytes_.find("op=\x04")) + 12;
   const std::string bag = changedAt(entry, std::uint32_t{4000000000U});
   EXPECT_EQ(BagReader({bag}).requireScanFrame("/scan"), "laser");
   BagSpan late;
