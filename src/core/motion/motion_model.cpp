@@ -157,9 +157,7 @@ void validate(const MotionModelParameters& p) {
 Eigen::Matrix3d motionCovariance(const MotionModelParameters& parameters, const Motion& motion) {
   if (parameters.deterministic) return Eigen::Matrix3d::Zero();
   if (motion.covariance) return *motion.covariance;
-  Eigen::Matrix3d covariance = square(motion.noise_scale) * modelCovariance(parameters, motion);
-  covariance(0, 0) += motion.scale_variance;
-  return covariance;
+  return square(motion.noise_scale) * modelCovariance(parameters, motion);
 }
 
 void moveParticles(const MotionModelParameters& parameters, const Motion& motion, Random& random,
