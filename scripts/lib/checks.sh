@@ -29,24 +29,28 @@ check_files() {
   (cd "$root" && SKIP=clang-format,catkin-lint PRE_COMMIT_HOME=build/pre-commit pre-commit run --all-files)
 }
 
-# The libraries and programs in src/ with the headers they include. The static analyzer takes half a minute for a
-# file that includes ROS and as long as all other checks elsewhere, so only the localizer itself gets it.
+# The libraries and programs in src/ with the headers they include, in a build that compiles files together: most of the
+# time goes into the headers. The static analyzer takes half a minute for a file that includes ROS and as long as all other
+# checks elsewhere, so only the localizer itself gets it.
 check_tidy() {
-  configure_in build -DCMAKE_EXPORT_COMPILE_COMMANDS=ON || return 1
+  configure_in build/analysis -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DRACECAR_MCL_ANALYSIS=ON \
+    -DCATKIN_ENABLE_TESTING=OFF || return 1
   local failed=0
-  tidy '' src/core src/map_io || failed=1
-  tidy '-clang-analyzer-*' src/apps src/calibration src/evaluation src/map_changes src/offline src/ros src/sim || failed=1
+  tidy '' 'core|map_io' || failed=1
+  tidy '-clang-analyzer-*' 'apps|calibration|evaluation|map_changes|offline|ros|sim' || failed=1
   return $failed
 }
 
-# tidy CHECKS FOLDER...: runs clang-tidy over the files in these folders that the build compiles, with CHECKS added
-# to those in .clang-tidy.
+# tidy CHECKS FOLDERS: runs clang-tidy over what the build compiles of these folders of src/ (a regular expression), with
+# CHECKS added to those in .clang-tidy. The analyzer has to be told to report errors in included files, and is shallow,
+# since a deep analysis doubles the time of the core's checks.
 tidy() {
-  local checks="$1"
-  shift
-  (cd "$root" && git ls-files "$@" | grep '\.cpp$' | while read -r file; do
-    if grep -q "\"file\": \"$root/$file\"" build/compile_commands.json; then echo "$file"; fi
-  done | xargs -P "$(build_jobs)" -n 1 clang-tidy -p build --quiet --checks="$checks" 2> >(grep -v 'warnings.* generated' >&2))
+  local build="$root/build/analysis"
+  sed -nE "s#^ *\"file\": \"($root/(build/analysis/)?src/($2)/.*)\",?\$#\1#p" "$build/compile_commands.json" |
+    xargs -P "$(build_jobs)" -n 1 clang-tidy -p "$build" --quiet --checks="$1" \
+      --extra-arg=-Xclang --extra-arg=-analyzer-opt-analyze-headers \
+      --extra-arg=-Xclang --extra-arg=-analyzer-config --extra-arg=-Xclang --extra-arg=mode=shallow \
+      2> >(grep -v 'warnings.* generated' >&2)
 }
 
 check_docs() {

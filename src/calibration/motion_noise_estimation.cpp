@@ -15,9 +15,9 @@ namespace {
 using Parameters = MotionModelParameters;
 using Term = std::pair<const char*, double Parameters::*>;
 
-constexpr int kMaxIterations = 3000;
-constexpr double kTolerance = 1e-6;   // on the largest relative change of a term
-constexpr double kNegligible = 1e-5;  // m or rad; smaller terms are set to 0
+constexpr int kMaxNoiseIterations = 3000;
+constexpr double kNoiseTolerance = 1e-6;  // on the largest relative change of a term
+constexpr double kNegligible = 1e-5;      // m or rad; smaller terms are set to 0
 constexpr double kInitialSigma = 0.05;
 constexpr double kMinTrajectoryNoise = 1e-6;  // m or rad; covariances stay invertible
 
@@ -167,7 +167,7 @@ MotionNoiseEstimate estimateMotionNoise(const std::vector<MotionSample>& samples
   const Eigen::Matrix3d floor = trajectory.motionCovariance();
   MotionNoiseEstimate estimate;
   double change = 1.0;
-  while (change > kTolerance && estimate.iterations < kMaxIterations) {
+  while (change > kNoiseTolerance && estimate.iterations < kMaxNoiseIterations) {
     Eigen::ArrayXd observed = Eigen::ArrayXd::Zero(variances.size());
     Eigen::ArrayXd expected = Eigen::ArrayXd::Zero(variances.size());
     estimate.log_likelihood = 0.0;

@@ -12,7 +12,7 @@ constexpr double kBackOff = 1.0;        // s
 constexpr double kTurnAway = 0.7;       // s
 constexpr double kStartTime = 0.3;      // s for the car to start moving
 constexpr double kStoppedSpeed = 0.05;  // m/s
-constexpr double kMaxRange = 4.0;       // m
+constexpr double kFarRoom = 4.0;        // m
 constexpr double kRetryWindow = 10.0;   // s between consecutive attempts
 constexpr int kAttemptsPerSide = 4;
 
@@ -22,7 +22,7 @@ double sideWithMoreRoom(const LidarScan& sweep) {
   for (std::size_t i = 0; i < sweep.ranges.size(); ++i) {
     const double bearing = sweep.angle_min + static_cast<double>(i) * sweep.angle_increment;
     if (std::abs(bearing) > kPi / 2.0) continue;
-    const double room = std::min(static_cast<double>(sweep.ranges[i]), kMaxRange);
+    const double room = std::min(static_cast<double>(sweep.ranges[i]), kFarRoom);
     left_minus_right += std::copysign(std::max(room, 0.0), bearing);
   }
   return left_minus_right >= 0.0 ? 1.0 : -1.0;

@@ -1,14 +1,12 @@
 #include "sim/obstacle.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "racecar_mcl/common/validation.h"
+#include "sim/infinity.h"
 
 namespace racecar_mcl::sim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double castDisc(double radius, const Eigen::Vector2d& start, const Eigen::Vector2d& direction) {
   // |start + t direction|^2 = radius^2

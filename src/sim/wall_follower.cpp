@@ -1,16 +1,15 @@
 #include "sim/wall_follower.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "racecar_mcl/common/validation.h"
+#include "sim/infinity.h"
 
 namespace racecar_mcl::sim {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kStep = 0.12;     // m, of the predicted path
 constexpr double kSpacing = 0.04;  // m, between used points
 constexpr double kMinGap = 0.15;   // m, between neighbouring points of different objects

@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <limits>
 
 #include "racecar_mcl/common/errors.h"
+#include "sim/infinity.h"
 
 namespace racecar_mcl::sim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Cell kinds, in the order used by castWalls.
 constexpr std::uint8_t kFree = 0;

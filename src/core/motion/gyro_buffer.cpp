@@ -9,7 +9,7 @@
 namespace racecar_mcl {
 namespace {
 
-constexpr double kBufferDuration = 10.0;  // s
+constexpr double kGyroBufferDuration = 10.0;  // s
 // A longer silence is a gap. IMUs of cars publish at 50 Hz or more.
 constexpr double kMaxGap = 0.1;      // s
 constexpr double kMaxRate = 5000.0;  // rad/s; MEMS gyros measure up to 2000 degrees per second
@@ -65,7 +65,7 @@ GyroOutcome GyroBuffer::add(const GyroSample& sample, bool at_rest) {
       const GyroState& last = entries_.back().state;
       const double rate = sample.yaw_rate - bias_;
       entries_.push_back({sample.stamp, {last.turn + 0.5 * (last.rate + rate) * elapsed, rate}});
-      while (entries_.front().stamp < sample.stamp - kBufferDuration) entries_.pop_front();
+      while (entries_.front().stamp < sample.stamp - kGyroBufferDuration) entries_.pop_front();
       return outcome;
     }
     reset();

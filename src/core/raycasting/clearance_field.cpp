@@ -13,9 +13,9 @@ constexpr double kBorderMargin = 1e-9;
 // Minimum magnitude of a direction's component, so that its inverse is finite.
 constexpr double kMinDirection = 1e-12;
 
-/// One axis of the traversal.
-struct Axis {
-  Axis(double origin_in, double direction_in)
+/// The cell borders that a ray crosses along one axis.
+struct Borders {
+  Borders(double origin_in, double direction_in)
       : origin(origin_in),
         direction(std::abs(direction_in) < kMinDirection ? kMinDirection : direction_in),
         inverse(1.0 / direction),
@@ -56,8 +56,8 @@ ClearanceField::ClearanceField(const OccupancyGrid& grid, UnknownIs unknown_is)
 
 double marchRay(const PaddedGrid& grid, const ClearanceField& field, const RayInCells& ray,
                 double limit) {
-  const Axis column(ray.x, ray.dx);
-  const Axis row(ray.y, ray.dy);
+  const Borders column(ray.x, ray.dx);
+  const Borders row(ray.y, ray.dy);
   for (double distance = 0.0; distance < limit;) {
     const int x = column.cellAt(distance);
     const int y = row.cellAt(distance);

@@ -10,7 +10,7 @@
 namespace racecar_mcl {
 namespace {
 
-constexpr double kStatusPeriod = 0.1;  // s of wall time, between checks for input timeouts
+constexpr double kTimeoutCheckPeriod = 0.1;  // s of wall time, between checks for input timeouts
 
 /// The same node handle with another callback queue.
 ros::NodeHandle withQueue(ros::NodeHandle node, ros::CallbackQueue* queue) {
@@ -55,7 +55,7 @@ LocalizationNode::LocalizationNode(ros::NodeHandle node, ros::NodeHandle private
       node_.advertiseService("set_map", &LocalizationNode::onSetMap, this)};
   advertisePrivateServices();
   reload_spinner_.start();
-  status_timer_ = node_.createWallTimer(ros::WallDuration(kStatusPeriod),
+  status_timer_ = node_.createWallTimer(ros::WallDuration(kTimeoutCheckPeriod),
                                         &LocalizationNode::onStatusTimer, this);
   diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0 / parameters_.diagnostics_rate),
                                              &LocalizationNode::onDiagnosticsTimer, this);
