@@ -54,10 +54,11 @@ class ParameterEffect : public testing::Test {
     auto [course, start, wrong] = loadWrongCourse(path_, "erased_walls", parameters, random);
     sim::SimulatorParameters simulator;
     simulator.odometry.slip = 0.3;
+    simulator.lidar.beams = 541;
     SimulatedDrive drive(course, parameters, simulator, start, 3.0, 5);
     drive.localizer().initialize({start, Eigen::Matrix3d::Zero()});
     std::vector<Eigen::Index> fifty(50);
-    for (std::size_t i = 0; i < 50; ++i) fifty[i] = static_cast<Eigen::Index>(20 * i);
+    for (std::size_t i = 0; i < 50; ++i) fifty[i] = static_cast<Eigen::Index>(10 * i);
     const double begin = drive.simulator().time();
     drive.on_odometry = [&](OdometrySample* sample) {
       const double seconds = sample->stamp - begin;
