@@ -69,6 +69,7 @@ void print(const MapSummary& s, std::ostream& out) {
 // BGR.
 const cv::Vec3b kFree(255, 255, 255);
 const cv::Vec3b kUnknown(205, 205, 205);
+const cv::Vec3b kUnmapped(240, 200, 160);
 const cv::Vec3b kSurface(0, 0, 0);
 const cv::Vec3b kHidden(110, 110, 110);
 const cv::Vec3b kBlurred(0, 140, 255);
@@ -78,13 +79,14 @@ const cv::Vec3b kOpening(230, 90, 0);
 cv::Mat drawCells(const OccupancyGrid& grid, const Surfaces& surfaces) {
   const GridGeometry& geometry = grid.geometry();
   const std::vector<std::uint8_t> openings = findOpenings(grid);
+  const std::vector<std::uint8_t> unmapped = findUnmapped(grid, surfaces);
   cv::Mat picture(geometry.height, geometry.width, CV_8UC3);
   std::size_t i = 0;
   for (int row = 0; row < geometry.height; ++row) {
     for (int column = 0; column < geometry.width; ++column, ++i) {
       cv::Vec3b& pixel = picture.at<cv::Vec3b>(geometry.height - 1 - row, column);
       if (grid.cells()[i] < 0) {
-        pixel = kUnknown;
+        pixel = unmapped[i] != 0 ? kUnmapped : kUnknown;
       } else if (grid.isFree({column, row})) {
         pixel = openings[i] != 0 ? kOpening : kFree;
       } else {
@@ -103,6 +105,7 @@ cv::Mat drawMap(const OccupancyGrid& grid) {
   cv::resize(cells, picture, {}, scale, scale, cv::INTER_NEAREST);
   return withLegend(picture, drawLegend({{kFree, "free"},
                                          {kUnknown, "unknown"},
+                                         {kUnmapped, "unmapped"},
                                          {kSurface, "surface"},
                                          {kBlurred, "blurred"},
                                          {kHidden, "hidden"},

@@ -156,6 +156,7 @@ const std::vector<Change>& changes() {
       {"expert/table_width:=150", kBeamModel},
       {"expert/lidar_scale_to_map_scale:=1.2", kBeamModel},
       {"expert/pixels_per_cell:=2", kBeamModel},
+      {"expert/unmapped_likelihood:=0"},
       {"expert/range_bias:=0.02"},
       {"expert/range_bias_distance:=5"},
       {"expert/unknown_is:=occupied", kBeamModel},

@@ -12,6 +12,7 @@
 #include "racecar_mcl/sensor/likelihood_field.h"
 #include "racecar_mcl/sensor/map_view.h"
 #include "racecar_mcl/sensor/sensor_model.h"
+#include "racecar_mcl/sensor/unmapped_space.h"
 
 namespace racecar_mcl {
 
@@ -38,6 +39,12 @@ struct LocalizationMap {
   std::optional<LikelihoodField> likelihood_field;  ///< set if the sensor model uses it
   GlobalScanMatcher matcher;
   CellRuns free_cells;
+  std::optional<UnmappedSpace> unmapped_space{};  ///< with openings and the likelihood field
+
+  /// The field to use instead of the sensor model for a scan from (about) this pose: the coarse one
+  /// before convergence, that of the unmapped space if a surface is missing. Null for none.
+  const LikelihoodField* fieldInstead(bool converged, const Pose2& lidar_in_map,
+                                      const Scan& beams) const;
 
   MapView view() const { return {grid, *caster, matcher.field()}; }
 };

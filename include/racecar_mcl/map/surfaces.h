@@ -29,4 +29,9 @@ struct Surfaces {
 
 Surfaces findSurfaces(const OccupancyGrid& grid);
 
+/// 1 where a beam may end because the map lacks a surface: in an unknown cell at most 1 m from an
+/// opening (findOpenings) or in a free one at most 0.1 m from it, if it is nearer to the opening
+/// than to a surface. Row-major like the cells.
+std::vector<std::uint8_t> findUnmapped(const OccupancyGrid& grid, const Surfaces& surfaces);
+
 }  // namespace racecar_mcl

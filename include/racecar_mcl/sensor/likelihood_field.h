@@ -21,6 +21,8 @@ struct LikelihoodFieldParameters {
                                               ///< errors of neighbouring beams are correlated
   double inside_wall_factor = 0.1;  ///< factor on distances from surfaces inside blurred walls, in
                                     ///< [0, 1]
+  double unmapped_likelihood = 0.67;  ///< minimum in the cells of findUnmapped, in [0, 1]; no
+                                      ///< effect below z_rand
 };
 
 /// Throws ParameterError on a value out of range.
@@ -41,6 +43,10 @@ class LikelihoodField {
   LikelihoodField(const OccupancyGrid& grid, const LikelihoodFieldParameters& parameters);
   /// The same, with the result of findSurfaces for the grid.
   LikelihoodField(const GridGeometry& geometry, const Surfaces& surfaces,
+                  const LikelihoodFieldParameters& parameters);
+  /// The same, with unmapped_likelihood where `unmapped`, a mask over the cells, is 1.
+  LikelihoodField(const GridGeometry& geometry, const Surfaces& surfaces,
+                  const std::vector<std::uint8_t>& unmapped,
                   const LikelihoodFieldParameters& parameters);
 
   /// The log-likelihood of one scan from each of N lidar poses (map frame): N values, with the

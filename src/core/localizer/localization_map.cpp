@@ -64,6 +64,7 @@ std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
   }
   std::unique_ptr<const RangeCaster> caster;
   std::optional<LikelihoodField> field;
+  std::optional<UnmappedSpace> unmapped_space;
   std::optional<GlobalScanMatcher> matcher;
   {
     const KnownPart known(grid);
@@ -72,12 +73,20 @@ std::shared_ptr<const LocalizationMap> makeLocalizationMap(OccupancyGrid grid,
     const Surfaces surfaces = findSurfaces(part);
     if (sensor.sensor_model == SensorModelType::kLikelihoodField) {
       field.emplace(part.geometry(), surfaces, sensor.field);
+      unmapped_space = findUnmappedSpace(part, surfaces, sensor.field);
     }
     matcher.emplace(part.geometry(), freeCells(part), surfaces, sensor.search);
   }
   return std::make_shared<const LocalizationMap>(
       LocalizationMap{std::move(grid), std::move(caster), std::move(field), std::move(*matcher),
-                      std::move(free_cells)});
+                      std::move(free_cells), std::move(unmapped_space)});
+}
+
+const LikelihoodField* LocalizationMap::fieldInstead(bool converged, const Pose2& lidar_in_map,
+                                                     const Scan& beams) const {
+  if (!converged) return &matcher.field();
+  const bool is_missing = unmapped_space && unmapped_space->hasMissingSurface(lidar_in_map, beams);
+  return is_missing ? &unmapped_space->field() : nullptr;
 }
 
 std::unique_ptr<SensorModel> makeSensorModel(const LocalizationMap& map,

@@ -164,8 +164,12 @@ void Localizer::reweight(const Step& step, UpdateResult* update) {
   // Only while localized: at a wrong pose the beams that contradict it would be rejected.
   const bool rejects_obstacles =
       parameters_.distance_filter && status().state == LocalizationState::kLocalized;
-  LikelihoodFieldModel coarse(map_->matcher.field(), parameters_.filter.num_threads);
-  SensorModel* const model = filter_.converged() ? sensor_model_.get() : &coarse;
+  const Pose2 lidar = compose(step.predicted.base_in_map, scan.laser_in_base);
+  std::optional<LikelihoodFieldModel> other;
+  if (const LikelihoodField* const field = map_->fieldInstead(filter_.converged(), lidar, scan)) {
+    other.emplace(*field, parameters_.filter.num_threads);
+  }
+  SensorModel* const model = other ? &*other : sensor_model_.get();
   std::optional<Scan> filtered;
   if (rejects_obstacles) {
     filtered =

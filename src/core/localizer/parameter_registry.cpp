@@ -49,6 +49,7 @@ void forEachExpertParameter(Parameters& p, const Visit& visit) {
 
   visit("field_max_range", p.sensor.field.field_max_range);
   visit("inside_wall_factor", p.sensor.field.inside_wall_factor);
+  visit("unmapped_likelihood", p.sensor.field.unmapped_likelihood);
   visit("table_width", p.sensor.beam.table.table_width);
   visit("lidar_scale_to_map_scale", p.sensor.beam.lidar_scale_to_map_scale);
   visit("pixels_per_cell", p.sensor.beam.pixels_per_cell);

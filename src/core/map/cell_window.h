@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "racecar_mcl/map/occupancy_grid.h"
@@ -17,6 +18,12 @@ struct CellWindow {
   int height() const { return top - bottom; }
   bool empty() const { return width() <= 0 || height() <= 0; }
 };
+
+/// The smallest window that contains both.
+inline CellWindow hull(const CellWindow& a, const CellWindow& b) {
+  return {std::min(a.left, b.left), std::min(a.bottom, b.bottom), std::max(a.right, b.right),
+          std::max(a.top, b.top)};
+}
 
 /// The geometry of the window's cells.
 inline GridGeometry geometryOf(const CellWindow& window, const GridGeometry& grid) {
@@ -42,6 +49,11 @@ CellWindow windowOf(const std::vector<Value>& cells, const GridGeometry& grid,
     window.top = row + 1;
   }
   return window;
+}
+
+/// The smallest window of the cells that are not 0.
+inline CellWindow windowOfSet(const std::vector<std::uint8_t>& mask, const GridGeometry& grid) {
+  return windowOf(mask, grid, [](std::uint8_t value) { return value != 0; });
 }
 
 /// The cells of the window, row by row; zeros outside of the grid.

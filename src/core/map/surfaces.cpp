@@ -1,9 +1,11 @@
 #include "racecar_mcl/map/surfaces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "map/distance_transform.h"
+#include "racecar_mcl/map/map_summary.h"
 
 namespace racecar_mcl {
 namespace {
@@ -13,6 +15,9 @@ namespace {
 constexpr double kMinBlurredThickness = 0.45;  // m
 // A cell belongs to a thick wall if it is within this many half thicknesses of its core.
 constexpr float kCoreDistance = 1.5f;
+// Unmapped cells behind an opening and in front of it.
+constexpr double kMaxUnmappedDepth = 1.0;  // m
+constexpr double kMaxUnmappedFront = 0.1;  // m, since the missing surface ends at about the opening
 
 bool isVisible(const OccupancyGrid& grid, const Cell& cell) {
   constexpr Cell kSides[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
@@ -102,6 +107,36 @@ Surfaces findSurfaces(const OccupancyGrid& grid) {
     if (filled[i] != 0) surfaces.blurred[i] = 0;
   }
   return surfaces;
+}
+
+std::vector<std::uint8_t> findUnmapped(const OccupancyGrid& grid, const Surfaces& surfaces) {
+  const GridGeometry& geometry = grid.geometry();
+  const std::vector<std::uint8_t> openings = findOpenings(grid);
+  std::vector<std::uint8_t> unmapped(openings.size(), 0);
+  if (std::find(openings.begin(), openings.end(), 1) == openings.end()) return unmapped;
+  const int reach = wholeCells(kMaxUnmappedDepth / geometry.resolution);
+  // Distances as 1 to 255, up to kMaxUnmappedDepth; those from an opening are kept in the mask.
+  const auto stepsOf = [](double distance) { return 1.0 + 254.0 * distance / kMaxUnmappedDepth; };
+  const auto forEachDistance = [&](const std::vector<std::uint8_t>& from, const auto& body) {
+    DistanceTransform(from, geometry.width, geometry.height, reach)
+        .forEachRow([&](const DistanceTransform::Row& row) {
+          for (int column = 0; column < geometry.width; ++column) {
+            body(row.first + static_cast<std::size_t>(column),
+                 geometry.resolution * static_cast<double>(row.distance(column)));
+          }
+        });
+  };
+  forEachDistance(openings, [&](std::size_t i, double distance) {
+    const std::int8_t value = grid.cells()[i];
+    if (value >= OccupancyGrid::kObstacleFrom) return;
+    if (distance > (value < 0 ? kMaxUnmappedDepth : kMaxUnmappedFront)) return;
+    unmapped[i] = static_cast<std::uint8_t>(stepsOf(distance));
+  });
+  forEachDistance(surfaces.visible, [&](std::size_t i, double distance) {
+    const bool nearer = std::floor(stepsOf(distance)) > static_cast<double>(unmapped[i]);
+    unmapped[i] = unmapped[i] != 0 && nearer ? 1 : 0;
+  });
+  return unmapped;
 }
 
 }  // namespace racecar_mcl

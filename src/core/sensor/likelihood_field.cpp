@@ -22,10 +22,8 @@ constexpr double kMaxBlurredDepth = 2.0 * kMaxBlurredThickness;
 constexpr int kSteps = 255;  // of the stored values
 
 /// The cells of the map, with `margin` cells around it, that are at most `reach` cells from the
-/// columns and rows of cells that are set.
-CellWindow windowAround(const std::vector<std::uint8_t>& mask, const GridGeometry& geometry,
-                        int margin, int reach) {
-  CellWindow set = windowOf(mask, geometry, [](std::uint8_t value) { return value != 0; });
+/// columns and rows of a window.
+CellWindow extended(CellWindow set, const GridGeometry& geometry, int margin, int reach) {
   if (set.empty()) set = {0, 0, 1, 1};
   return {std::max(set.left - reach, -margin), std::max(set.bottom - reach, -margin),
           std::min(set.right + reach, geometry.width + margin),
@@ -40,6 +38,7 @@ void validate(const LikelihoodFieldParameters& p) {
   requirePositiveUpTo("field_max_range", p.field_max_range, 1e4, "m");
   requireWithin("likelihood_exponent", p.likelihood_exponent, 1e-5, 1e3);
   requireShare("inside_wall_factor", p.inside_wall_factor);
+  requireShare("unmapped_likelihood", p.unmapped_likelihood);
 }
 
 LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
@@ -47,6 +46,11 @@ LikelihoodField::LikelihoodField(const OccupancyGrid& grid,
     : LikelihoodField(grid.geometry(), findSurfaces(grid), parameters) {}
 
 LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& surfaces,
+                                 const LikelihoodFieldParameters& parameters)
+    : LikelihoodField(geometry, surfaces, {}, parameters) {}
+
+LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& surfaces,
+                                 const std::vector<std::uint8_t>& unmapped,
                                  const LikelihoodFieldParameters& parameters)
     : parameters_((validate(parameters), parameters)),
       geometry_(geometry),
@@ -68,7 +72,9 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
   const int reach = wholeCells(std::max(std::sqrt(limits[1]), blurred_reach));
   const int margin = wholeCells(
       std::min(kMarginScales * parameters.field_scale / geometry.resolution, kMaxMargin));
-  const CellWindow window = windowAround(surfaces.visible, geometry, kEdge + margin, kEdge + reach);
+  CellWindow set = windowOfSet(surfaces.visible, geometry);
+  if (!unmapped.empty()) set = hull(set, windowOfSet(unmapped, geometry));
+  const CellWindow window = extended(set, geometry, kEdge + margin, kEdge + reach);
   geometry_ = geometryOf(window, geometry);
   const std::vector<std::uint8_t> blurred = cut(surfaces.blurred, geometry, window);
   cells_.assign(blurred.size(), 0);
@@ -87,6 +93,15 @@ LikelihoodField::LikelihoodField(const GridGeometry& geometry, const Surfaces& s
       cells_[cell] = static_cast<std::uint16_t>(steps);
     }
   });
+  if (!unmapped.empty()) {
+    const double likelihood = std::max(parameters.unmapped_likelihood, parameters.z_rand);
+    const auto steps =
+        static_cast<std::uint16_t>(std::lround((std::log(likelihood) - log_rand) / log_step_));
+    const std::vector<std::uint8_t> inside = cut(unmapped, geometry, window);
+    for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+      if (inside[cell] != 0) cells_[cell] = std::max(cells_[cell], steps);
+    }
+  }
   const auto width = static_cast<std::size_t>(window.width());
   for (std::size_t cell = 0; cell + width < cells_.size(); ++cell) {
     const auto above = static_cast<unsigned>(cells_[cell + width]) & 0xffU;

@@ -130,6 +130,49 @@ TEST(BlurredSurfaces, AreMeasuredInMetresNotInCells) {
   EXPECT_EQ(middleRow(coarse, findSurfaces(coarse).blurred), cells(24, '.'));
 }
 
+std::string unmappedIn(const std::string& row) {
+  const OccupancyGrid grid = striped(row);
+  return middleRow(grid, findUnmapped(grid, findSurfaces(grid)));
+}
+
+TEST(UnmappedCells, AreTheFirstMetreBehindAnOpeningAndADecimetreBeforeIt) {
+  // The opening is the last free cell.
+  EXPECT_EQ(unmappedIn("#" + cells(24, '.') + cells(30, '?')),
+            cells(22, '.') + cells(3 + 20, 'x') + cells(10, '.'));
+}
+
+TEST(UnmappedCells, AreNotBehindAWall) {
+  EXPECT_EQ(unmappedIn("#" + cells(20, '.') + "#" + cells(20, '?')), cells(42, '.'));
+}
+
+TEST(UnmappedCells, AreNotBehindASmoothedWall) {
+  EXPECT_EQ(unmappedIn("#" + cells(20, '.') + "?##" + cells(20, '?')), cells(44, '.'));
+}
+
+TEST(UnmappedCells, AreNoSpecks) {
+  EXPECT_EQ(unmappedIn("#" + cells(20, '.') + "?" + cells(20, '.') + "#"), cells(43, '.'));
+}
+
+TEST(UnmappedCells, AreNotWhereACarHasNoRoom) {
+  EXPECT_EQ(unmappedIn(cells(20, '?') + cells(8, '.') + cells(20, '?')), cells(48, '.'));
+}
+
+TEST(UnmappedCells, AreNearerToTheOpeningThanToASurface) {
+  // The wall on the right ends in row 30; below it is a gap.
+  std::string drawing;
+  for (int i = 0; i < kRows; ++i) {
+    drawing += cells(20, '.') + (i <= 30 ? '#' : '?') + cells(19, '?') + "\n";
+  }
+  const OccupancyGrid grid = asciiMap(drawing, kResolution);
+  const std::vector<std::uint8_t> unmapped = findUnmapped(grid, findSurfaces(grid));
+  const auto at = [&](const Cell& cell) { return int{unmapped[CellIndex(grid.geometry())(cell)]}; };
+  EXPECT_EQ(at({20, 20}), 1) << "in the gap";
+  EXPECT_EQ(at({39, 10}), 1) << "behind it";
+  EXPECT_EQ(at({21, 35}), 0) << "behind the wall";
+  EXPECT_EQ(at({30, 33}), 0) << "nearer to the end of the wall";
+  EXPECT_EQ(at({30, 20}), 1) << "nearer to the gap";
+}
+
 /// The same room with different cells behind its walls of one cell.
 class RoomWithWallThickness : public ::testing::TestWithParam<int> {
  protected:
