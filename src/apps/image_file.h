@@ -30,7 +30,7 @@ inline cv::Mat drawLegend(const std::vector<std::pair<cv::Vec3b, std::string>>& 
                           int width) {
   const double unit = std::max(1.0, width / 1600.0);
   const auto pixels = [&](double count) { return cvRound(count * unit); };
-  const int needed = pixels(12.0 + 113.0 * static_cast<double>(entries.size()));
+  const int needed = pixels(12.0 + 112.0 * static_cast<double>(entries.size()));
   cv::Mat legend(pixels(30), std::max(width, needed), CV_8UC3, cv::Scalar::all(255));
   cv::line(legend, {0, 0}, {legend.cols, 0}, cv::Scalar::all(150));
   int x = pixels(10);
@@ -40,7 +40,7 @@ inline cv::Mat drawLegend(const std::vector<std::pair<cv::Vec3b, std::string>>& 
     cv::rectangle(legend, box, cv::Scalar::all(90), 1);
     cv::putText(legend, name, {x + pixels(21), pixels(21)}, cv::FONT_HERSHEY_SIMPLEX, 0.5 * unit,
                 cv::Scalar(48, 36, 28), pixels(1), cv::LINE_AA);
-    x += pixels(113);
+    x += pixels(112);
   }
   return legend;
 }

@@ -105,7 +105,7 @@ cv::Mat drawMap(const OccupancyGrid& grid) {
   cv::resize(cells, picture, {}, scale, scale, cv::INTER_NEAREST);
   return withLegend(picture, drawLegend({{kFree, "free"},
                                          {kUnknown, "unknown"},
-                                         {kUnmapped, "unmapped"},
+                                         {kUnmapped, "missing"},
                                          {kSurface, "surface"},
                                          {kBlurred, "blurred"},
                                          {kHidden, "hidden"},

@@ -37,8 +37,7 @@ TEST_P(MapChangesTest, FindsBoxesAndErasedWalls) {
   EXPECT_EQ(score.false_regions, 0);
 }
 
-// A wall that is gone still binds the pose where it is seen in part, an opening binds it less.
-TEST_P(MapChangesTest, LocalizesAsWellOnTheProposedMap) {
+TEST_P(MapChangesTest, LocalizesNoWorseOnTheProposedMap) {
   constexpr int kDrives = 8;
   MapChangeScore sum, sum_on_proposed;
   MapChangeDrive settings = withChanges();
@@ -50,7 +49,7 @@ TEST_P(MapChangesTest, LocalizesAsWellOnTheProposedMap) {
         applyChanges(scene.course.map->grid, evaluation.changes()), LocalizerParameters());
     sum_on_proposed += MapChangeEvaluation(settings, scene).score();
   }
-  EXPECT_LT(sum_on_proposed.mean_error, sum.mean_error + 0.005 * kDrives);
+  EXPECT_LT(sum_on_proposed.mean_error, sum.mean_error + 0.003 * kDrives);
 }
 
 TEST_P(MapChangesTest, FindsNoneOnACorrectMap) {

@@ -78,7 +78,7 @@ TEST_F(MapCheckProgram, DrawsWhatALidarSees) {
   const cv::Mat picture = cv::imread(path("picture.png"), cv::IMREAD_COLOR);
   ASSERT_FALSE(picture.empty());
   // 40 pixels per cell and the legend below.
-  EXPECT_GE(picture.cols, 20 * 40);
+  EXPECT_EQ(picture.cols, 20 * 40);
   EXPECT_EQ(picture.rows, 12 * 40 + 30);
   const auto cell = [&](int column, int image_row) {
     return picture.at<cv::Vec3b>(40 * image_row + 20, 40 * column + 20);

@@ -29,9 +29,14 @@ struct Surfaces {
 
 Surfaces findSurfaces(const OccupancyGrid& grid);
 
-/// 1 where a beam may end because the map lacks a surface: in an unknown cell at most 1 m from an
-/// opening (findOpenings) or in a free one at most 0.1 m from it, if it is nearer to the opening
-/// than to a surface. Row-major like the cells.
+/// Values of cells where a beam may end because the map lacks a surface.
+constexpr std::uint8_t kBehindOpening = 1;
+constexpr std::uint8_t kAtOpening = 2;
+
+/// kAtOpening for free cells at most 0.1 m and unknown ones at most 0.15 m from an opening
+/// (findOpenings), where the missing surface stands. kBehindOpening for other unknown cells at most
+/// 1 m from it. 0 for cells that are not nearer to an opening than to a surface. Row-major like the
+/// cells.
 std::vector<std::uint8_t> findUnmapped(const OccupancyGrid& grid, const Surfaces& surfaces);
 
 }  // namespace racecar_mcl

@@ -28,17 +28,17 @@ class UnmappedSpace {
                 const std::vector<std::uint8_t>& unmapped,
                 const LikelihoodFieldParameters& parameters);
 
-  /// Whether beams from this pose (map frame) end in unmapped cells side by side along at least
-  /// 0.5 m. The bearings are in order.
+  /// Whether beams from this pose (map frame) end at an opening side by side along at least 0.5 m:
+  /// a surface is missing there. The bearings are in order.
   bool hasMissingSurface(const Pose2& lidar_in_map, const Scan& beams) const;
 
   const LikelihoodField& field() const { return field_; }
 
  private:
-  bool isUnmapped(const Eigen::Vector2d& point_in_map) const;
+  bool isAtOpening(const Eigen::Vector2d& point_in_map) const;
 
   GridGeometry geometry_;            ///< of the window of the unmapped cells
-  std::vector<std::uint8_t> cells_;  ///< 1 for unmapped ones
+  std::vector<std::uint8_t> cells_;  ///< those of findUnmapped
   LikelihoodField field_;
 };
 

@@ -18,6 +18,7 @@ constexpr float kCoreDistance = 1.5f;
 // Unmapped cells behind an opening and in front of it.
 constexpr double kMaxUnmappedDepth = 1.0;  // m
 constexpr double kMaxUnmappedFront = 0.1;  // m, since the missing surface ends at about the opening
+constexpr double kOpeningDepth = 0.15;     // m
 
 bool isVisible(const OccupancyGrid& grid, const Cell& cell) {
   constexpr Cell kSides[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
@@ -134,7 +135,9 @@ std::vector<std::uint8_t> findUnmapped(const OccupancyGrid& grid, const Surfaces
   });
   forEachDistance(surfaces.visible, [&](std::size_t i, double distance) {
     const bool nearer = std::floor(stepsOf(distance)) > static_cast<double>(unmapped[i]);
-    unmapped[i] = unmapped[i] != 0 && nearer ? 1 : 0;
+    if (unmapped[i] == 0) return;
+    const bool is_at_opening = static_cast<double>(unmapped[i]) <= stepsOf(kOpeningDepth);
+    unmapped[i] = !nearer ? 0 : is_at_opening ? kAtOpening : kBehindOpening;
   });
   return unmapped;
 }

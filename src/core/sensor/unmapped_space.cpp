@@ -1,7 +1,5 @@
 #include "racecar_mcl/sensor/unmapped_space.h"
 
-#include <algorithm>
-
 #include "map/cell_window.h"
 
 namespace racecar_mcl {
@@ -23,9 +21,9 @@ UnmappedSpace::UnmappedSpace(const GridGeometry& grid, const Surfaces& surfaces,
   cells_ = cut(unmapped, grid, window);
 }
 
-bool UnmappedSpace::isUnmapped(const Eigen::Vector2d& point_in_map) const {
+bool UnmappedSpace::isAtOpening(const Eigen::Vector2d& point_in_map) const {
   const Cell cell = cellAt(geometry_, point_in_map);
-  return contains(geometry_, cell) && cells_[CellIndex(geometry_)(cell)] != 0;
+  return contains(geometry_, cell) && cells_[CellIndex(geometry_)(cell)] == kAtOpening;
 }
 
 bool UnmappedSpace::hasMissingSurface(const Pose2& lidar_in_map, const Scan& beams) const {
@@ -33,7 +31,7 @@ bool UnmappedSpace::hasMissingSurface(const Pose2& lidar_in_map, const Scan& bea
   // The first and the last beam of a row of beams side by side.
   Eigen::Index first = -1, last = -1;
   for (Eigen::Index k = 0; k < beams.size(); ++k) {
-    if (!ends.col(k).allFinite() || !isUnmapped(ends.col(k))) continue;
+    if (!ends.col(k).allFinite() || !isAtOpening(ends.col(k))) continue;
     if (first < 0 || k - last > kMaxBreak + 1) first = k;
     last = k;
     if ((ends.col(last) - ends.col(first)).norm() >= kMinLength) return true;
@@ -45,7 +43,7 @@ std::optional<UnmappedSpace> findUnmappedSpace(const OccupancyGrid& grid, const 
                                                const LikelihoodFieldParameters& parameters) {
   if (parameters.unmapped_likelihood <= parameters.z_rand) return std::nullopt;
   const std::vector<std::uint8_t> unmapped = findUnmapped(grid, surfaces);
-  if (std::find(unmapped.begin(), unmapped.end(), 1) == unmapped.end()) return std::nullopt;
+  if (windowOfSet(unmapped, grid.geometry()).empty()) return std::nullopt;
   return UnmappedSpace(grid.geometry(), surfaces, unmapped, parameters);
 }
 

@@ -141,6 +141,16 @@ TEST(UnmappedCells, AreTheFirstMetreBehindAnOpeningAndADecimetreBeforeIt) {
             cells(22, '.') + cells(3 + 20, 'x') + cells(10, '.'));
 }
 
+TEST(UnmappedCells, AreAtAnOpeningOrBehindIt) {
+  const OccupancyGrid grid = striped("#" + cells(24, '.') + cells(30, '?'));
+  const std::vector<std::uint8_t> unmapped = findUnmapped(grid, findSurfaces(grid));
+  const auto at = [&](int column) {
+    return int{unmapped[CellIndex(grid.geometry())({column, kRows / 2})]};
+  };
+  for (const int column : {22, 24, 25, 27}) EXPECT_EQ(at(column), kAtOpening) << column;
+  for (const int column : {28, 44}) EXPECT_EQ(at(column), kBehindOpening) << column;
+}
+
 TEST(UnmappedCells, AreNotBehindAWall) {
   EXPECT_EQ(unmappedIn("#" + cells(20, '.') + "#" + cells(20, '?')), cells(42, '.'));
 }
@@ -166,11 +176,11 @@ TEST(UnmappedCells, AreNearerToTheOpeningThanToASurface) {
   const OccupancyGrid grid = asciiMap(drawing, kResolution);
   const std::vector<std::uint8_t> unmapped = findUnmapped(grid, findSurfaces(grid));
   const auto at = [&](const Cell& cell) { return int{unmapped[CellIndex(grid.geometry())(cell)]}; };
-  EXPECT_EQ(at({20, 20}), 1) << "in the gap";
-  EXPECT_EQ(at({39, 10}), 1) << "behind it";
+  EXPECT_EQ(at({20, 20}), kAtOpening) << "in the gap";
+  EXPECT_EQ(at({39, 10}), kBehindOpening) << "behind it";
   EXPECT_EQ(at({21, 35}), 0) << "behind the wall";
   EXPECT_EQ(at({30, 33}), 0) << "nearer to the end of the wall";
-  EXPECT_EQ(at({30, 20}), 1) << "nearer to the gap";
+  EXPECT_EQ(at({30, 20}), kBehindOpening) << "nearer to the gap";
 }
 
 /// The same room with different cells behind its walls of one cell.

@@ -70,6 +70,7 @@ TEST_F(UnmappedSpaceTest, IgnoresTwoOtherBeamsInBetween) {
 }
 
 TEST_F(UnmappedSpaceTest, HasNoneWhereBeamsPassThroughOrEndElsewhere) {
+  EXPECT_FALSE(hasMissingSurface(beamsTo(1.45, {0.4, 0.7, 0.9, 1.2}))) << "behind the opening";
   EXPECT_FALSE(hasMissingSurface(beamsTo(2.65, {0.4, 0.7, 0.9, 1.2}))) << "beyond";
   EXPECT_FALSE(hasMissingSurface(beamsTo(0.85, {0.4, 0.7, 0.9, 1.2}))) << "before";
   EXPECT_FALSE(hasMissingSurface(beamsTo(0.05, {0.4, 0.7, 0.9, 1.2}))) << "on a wall";
