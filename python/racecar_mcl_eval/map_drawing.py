@@ -1,4 +1,8 @@
-"""Occupancy grid mapping with known poses: log odds of each cell from hits and passing beams."""
+"""Occupancy grid mapping with known poses: log odds of each cell from hits and passing beams. Maps that lack
+walls."""
+from dataclasses import replace
+
+import cv2
 import numpy as np
 
 from .grid_map import FREE, OCCUPIED, UNKNOWN, GridMap
@@ -61,3 +65,18 @@ class Drawing:
         cells[odds < -KNOWN] = FREE
         return GridMap(f"{self._like.name}, incomplete", cells.reshape(self._like.cells.shape),
                        self._like.resolution, self._like.origin)
+
+
+def erase_walls(grid_map, fraction, random):
+    """The map with the walls in random discs of 0.4 to 1.2 m radius set to unknown, until this fraction of the
+    walls' surface is erased."""
+    cells = grid_map.cells.copy()
+    near_free = cv2.dilate((cells == FREE).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    rows, columns = np.nonzero((cells == OCCUPIED) & near_free)
+    y, x = np.ogrid[:cells.shape[0], :cells.shape[1]]
+    while np.count_nonzero(cells[rows, columns] == OCCUPIED) > (1.0 - fraction) * len(rows):
+        centre = random.integers(len(rows))
+        radius = random.uniform(0.4, 1.2) / grid_map.resolution  # cells
+        disc = (y - rows[centre])**2 + (x - columns[centre])**2 < radius**2
+        cells[disc & (cells == OCCUPIED)] = UNKNOWN
+    return replace(grid_map, cells=cells, _distances=None)

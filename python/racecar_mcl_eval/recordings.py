@@ -48,14 +48,19 @@ def option_parser(description):
     parser = argparse.ArgumentParser(description=description,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=pathlib.Path, help="folder with the recordings")
-    parser.add_argument("--config", help="YAML file of parameters")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME:=VALUE", help="a parameter of every run")
     parser.add_argument("--seeds", type=int, default=3, help="runs per recording, with seeds 1 to N", metavar="N")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="only these recordings")
-    parser.add_argument("--odom-topic", default="/odom")
+    add_run_options(parser, odom_topic="/odom")
+    return parser
+
+
+def add_run_options(parser, odom_topic):
+    """Adds the options of the replays and of the output."""
+    parser.add_argument("--config", help="YAML file of parameters")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME:=VALUE", help="a parameter of every run")
+    parser.add_argument("--odom-topic", default=odom_topic, help="[%(default)s]")
     parser.add_argument("--jobs", type=int, default=1, help="parallel runs")
     parser.add_argument("--json", metavar="FILE", help="also write the table to this file")
-    return parser
 
 
 def replay(recording, seed, arguments, start, folder):
@@ -81,6 +86,15 @@ def run_seeds(run, cases, arguments):
             for future in (future for of_one in futures for future in of_one):
                 future.cancel()
             raise
+
+
+def print_table(header, rows):
+    """Prints rows of text in aligned columns, the first one to the left."""
+    table = [header] + rows
+    widths = [max(map(len, column)) for column in zip(*table)]
+    for line in table:
+        print("  ".join(text.ljust(width) if index == 0 else text.rjust(width)
+                        for index, (text, width) in enumerate(zip(line, widths))))
 
 
 def write_json(rows, path):
