@@ -104,6 +104,7 @@ TEST_P(RecoveryTest, FollowsTheScansWhereOdometryIsOffByHalf) {
   EXPECT_LT(median(), 0.05);
   // What else follows the scans.
   parameters_.motion.slip_noise_from_speed = 0.0;
+  parameters_.calibration.calibration_distance = 0.0;
   parameters_.slip_compensation = false;
   const double unadapted = median();
   parameters_.noise_adaptation = true;

@@ -101,7 +101,7 @@ class Localizer {
   void relocalize(bool just_converged, Step* step, UpdateResult* update);
   void monitor(const PoseEstimate& estimate, Step* step, ScanResult* result);
   void learn(const Step& step, const ScanResult& result);
-  void calibrate(const Step& step, const Pose2& estimate, double travelled);
+  void calibrate(const Step& step, const ScanResult& result, double travelled);
   void count(ScanOutcome outcome);
   void restartTracking();
   void recoverFromError();

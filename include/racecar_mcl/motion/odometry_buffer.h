@@ -21,14 +21,15 @@ struct OdometrySample {
 
 /// The car's motion over an interval, by dead reckoning.
 struct Motion {
-  Pose2 delta;               ///< the later base frame in the earlier one
-  double distance = 0.0;     ///< m, length of the path, reverse counted positive
-  double rotation = 0.0;     ///< rad, sum of absolute turns
-  double seconds = 0.0;      ///< s, spent moving
-  double messages = 0.0;     ///< number of odometry messages integrated, with fractions
-  Twist2 twist_change = {};  ///< the twist at the end minus that at the beginning
-  double turn = 0.0;         ///< rad, of the odometry, not wrapped and not calibrated
-  double noise_scale = 1.0;  ///< factor on the standard deviations of the motion noise
+  Pose2 delta;                  ///< the later base frame in the earlier one
+  double distance = 0.0;        ///< m, length of the path, reverse counted positive
+  double rotation = 0.0;        ///< rad, sum of absolute turns
+  double seconds = 0.0;         ///< s, spent moving
+  double messages = 0.0;        ///< number of odometry messages integrated, with fractions
+  Twist2 twist_change = {};     ///< the twist at the end minus that at the beginning
+  double turn = 0.0;            ///< rad, of the odometry, not wrapped and not calibrated
+  double noise_scale = 1.0;     ///< factor on the standard deviations of the motion noise
+  double scale_variance = 0.0;  ///< m^2, along, since the distance scale is not yet known
   /// Covariance of `delta` (m, m, rad), if known; replaces that of the motion model.
   std::optional<Eigen::Matrix3d> covariance = {};
   double duration = 0.0;  ///< s, between the two times

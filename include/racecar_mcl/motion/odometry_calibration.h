@@ -1,6 +1,7 @@
 // Online calibration of systematic odometry errors from the corrections by scans.
 #pragma once
 
+#include "racecar_mcl/motion/distance_scale.h"
 #include "racecar_mcl/motion/gyro_calibration.h"
 #include "racecar_mcl/motion/odometry_buffer.h"
 #include "racecar_mcl/motion/turn_calibration.h"
@@ -43,10 +44,8 @@ class OdometryCalibration {
   /// The motion with the estimated errors removed; the delays are applied by the caller.
   Motion correct(const Motion& motion) const;
 
-  /// Updates the estimates after one scan. `motion`: corrected motion since the last scan;
-  /// `correction`: the estimate in the frame of the predicted pose; `map_is_complete`: the map
-  /// shows nearly all that the lidar sees.
-  void learn(const Motion& motion, const Pose2& correction, bool map_is_complete);
+  /// Updates the estimates after one scan. `motion`: corrected motion since the last scan.
+  void learn(const Motion& motion, const PoseCorrection& correction, const MapFit& fit);
 
   /// Continues from the estimates of an earlier run, within the limits. A gyro proves itself anew.
   void resume(const OdometryErrors& errors);
@@ -57,23 +56,21 @@ class OdometryCalibration {
   /// Resets the delays, if the times of beams were wrong.
   void forgetDelay();
 
-  double distanceScale() const { return distance_scale_; }  ///< true metres per metre of odometry
+  double distanceScale() const { return distance_.scale(); }  ///< true metres per metre of odometry
   /// s by which the odometry's speed lags the car's motion. Negative if it leads, as twists that
   /// are valid for the time before their stamps.
   double delay() const { return delay_; }
   OdometryErrors errors() const {
-    return {distance_scale_, delay_, odometry_turn_.estimates(), scale_distance_};
+    return {distance_.scale(), delay_, odometry_turn_.estimates(), distance_.distance()};
   }
   const TurnCalibration& odometryTurn() const { return odometry_turn_; }
   const GyroCalibration& gyro() const { return gyro_; }
 
  private:
-  void updateDistanceScale(const Motion& motion, double along, bool map_is_complete);
   void updateDelay(const Motion& motion, const Pose2& correction);
 
   OdometryCalibrationParameters parameters_;
-  double distance_scale_ = 1.0;
-  double scale_distance_ = 0.0;  ///< m driven on a complete map
+  DistanceScale distance_;
   double delay_ = 0.0;
   double delay_information_ = 0.0;  ///< (m/s)^2, fading sum of squared changes of speed
   TurnCalibration odometry_turn_;

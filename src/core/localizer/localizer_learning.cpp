@@ -1,4 +1,5 @@
 // Monitoring of the localizer and online estimation of the sensors' systematic errors.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <utility>
 
@@ -11,8 +12,19 @@ namespace {
 // Minimum inlier ratio of scans whose corrections are taken as errors of the odometry: where the
 // map is wrong, scans contradict correct odometry as well.
 constexpr double kMinInlierRatioForAdaptation = 0.9;
-// Minimum baseline inlier ratio of a map that shows nearly all that the lidar sees.
-constexpr double kMinBaselineOfCompleteMap = 0.9;
+// Minimum inlier ratio, of the baseline or of a scan, where the map shows nearly all that the lidar
+// sees.
+constexpr double kMinInlierRatioOfCompleteMap = 0.9;
+
+PoseCorrection correctionOf(const PoseEstimate& predicted, const PoseEstimate& estimate) {
+  const Eigen::Matrix2d into_frame =
+      Eigen::Rotation2Dd(-predicted.base_in_map.yaw).toRotationMatrix();
+  const auto inFrame = [&](const Eigen::Matrix3d& covariance) -> Eigen::Matrix2d {
+    return into_frame * covariance.topLeftCorner<2, 2>() * into_frame.transpose();
+  };
+  return {between(predicted.base_in_map, estimate.base_in_map), inFrame(predicted.covariance),
+          inFrame(estimate.covariance)};
+}
 
 }  // namespace
 
@@ -68,14 +80,18 @@ void Localizer::learn(const Step& step, const ScanResult& result) {
     lidar_odometry_.remember(step.scan.beams, estimate);
   }
   if (result.status.state == LocalizationState::kLocalized && !step.motion.compensation) {
-    calibrate(step, estimate, travelled);
+    calibrate(step, result, travelled);
   }
 }
 
-void Localizer::calibrate(const Step& step, const Pose2& estimate, double travelled) {
+void Localizer::calibrate(const Step& step, const ScanResult& result, double travelled) {
+  const Pose2& estimate = result.update.estimate.base_in_map;
   LidarState& lidar = lidarAt(step.scan.beams.lidar);
-  calibration_.learn(step.motion, between(step.predicted.base_in_map, estimate),
-                     monitor_.baseline() >= kMinBaselineOfCompleteMap);
+  const PoseEstimate predicted =
+      propagate(step.before, step.motion.delta, motionCovariance(parameters_.motion, step.motion));
+  calibration_.learn(step.motion, correctionOf(predicted, result.update.estimate),
+                     {monitor_.baseline() >= kMinInlierRatioOfCompleteMap,
+                      result.status.inlier_ratio >= kMinInlierRatioOfCompleteMap});
   const double direction_log_odds =
       step.mirrored ? scanLogOdds(map_->matcher.field(), estimate, step.scan.beams, *step.mirrored)
                     : 0.0;

@@ -157,7 +157,9 @@ void validate(const MotionModelParameters& p) {
 Eigen::Matrix3d motionCovariance(const MotionModelParameters& parameters, const Motion& motion) {
   if (parameters.deterministic) return Eigen::Matrix3d::Zero();
   if (motion.covariance) return *motion.covariance;
-  return square(motion.noise_scale) * modelCovariance(parameters, motion);
+  Eigen::Matrix3d covariance = square(motion.noise_scale) * modelCovariance(parameters, motion);
+  covariance(0, 0) += motion.scale_variance;
+  return covariance;
 }
 
 void moveParticles(const MotionModelParameters& parameters, const Motion& motion, Random& random,

@@ -10,17 +10,10 @@ namespace racecar_mcl {
 namespace {
 
 // Limits of the estimates (docs/decisions.md): larger errors are faults rather than miscalibration.
-constexpr double kMaxScaleError = 0.35;  // m/m
-constexpr double kMaxDelay = 0.1;        // s
+constexpr double kMaxDelay = 0.1;  // s
 // Odometry of cars integrates the commanded steering angle: a published lap of a 1/10 car has a
 // heading error of 60 %. The steering lags its command by up to 0.2 s.
 const TurnErrors kOdometryTurnErrors{0.3, 0.02, 0.65, 0.1, 0.2};
-
-// Distance that the prior of the scale, 1, counts for.
-constexpr double kScalePriorDistance = 5.0;  // m
-
-// Largest correction used of one scan, per metre: larger ones are slip or wrong matches.
-constexpr double kMaxCorrectionRatio = 0.3;
 
 // Prior information of a delay of zero (docs/maths.md), so that no single scan determines the
 // delay.
@@ -36,6 +29,7 @@ void validate(const OdometryCalibrationParameters& p) {
 
 OdometryCalibration::OdometryCalibration(const OdometryCalibrationParameters& parameters)
     : parameters_((validate(parameters), parameters)),
+      distance_(parameters.calibration_distance),
       odometry_turn_(kOdometryTurnErrors, parameters.calibration_distance),
       gyro_(parameters.calibration_distance) {}
 
@@ -46,35 +40,36 @@ Motion OdometryCalibration::correct(const Motion& motion) const {
                                               : odometry_turn_.correct(motion.turn, motion.delta.x);
   // The chord of an arc turns by half of the yaw.
   const double half = 0.5 * (yaw - motion.delta.yaw);
-  const double c = distance_scale_ * std::cos(half);
-  const double s = distance_scale_ * std::sin(half);
+  const double c = distance_.scale() * std::cos(half);
+  const double s = distance_.scale() * std::sin(half);
   corrected.delta = {c * motion.delta.x - s * motion.delta.y,
                      s * motion.delta.x + c * motion.delta.y, wrapAngle(yaw)};
-  corrected.distance = distance_scale_ * motion.distance;
+  corrected.distance = distance_.scale() * motion.distance;
+  corrected.scale_variance = distance_.varianceAlong(corrected.delta.x);
   return corrected;
 }
 
-void OdometryCalibration::learn(const Motion& motion, const Pose2& correction,
-                                bool map_is_complete) {
+void OdometryCalibration::learn(const Motion& motion, const PoseCorrection& correction,
+                                const MapFit& fit) {
   const Pose2& moved = motion.delta;
-  const double true_turn = wrapAngle(moved.yaw + correction.yaw);
+  const double true_turn = wrapAngle(moved.yaw + correction.pose.yaw);
   odometry_turn_.learn({motion.turn, moved.x, motion.twist_change.wz}, true_turn,
                        motion.distance + motion.rotation);
   gyro_.learn(motion, true_turn, odometry_turn_.error());
   if (parameters_.calibration_distance == 0.0) return;
-  updateDistanceScale(motion, correction.x, map_is_complete);
-  updateDelay(motion, correction);
+  distance_.learn(motion, correction, fit);
+  updateDelay(motion, correction.pose);
 }
 
 void OdometryCalibration::resume(const OdometryErrors& errors) {
   if (parameters_.calibration_distance == 0.0) return;
-  distance_scale_ = 1.0 + bounded(errors.distance_scale - 1.0, kMaxScaleError);
-  scale_distance_ = std::clamp(errors.scale_distance, 0.0, parameters_.calibration_distance);
+  distance_.resume(errors.distance_scale, errors.scale_distance);
   delay_ = bounded(errors.delay, kMaxDelay);
   odometry_turn_.resume(errors.turn);
 }
 
 void OdometryCalibration::restart() {
+  distance_.restart();
   odometry_turn_.restart();
   gyro_.restart();
 }
@@ -83,21 +78,6 @@ void OdometryCalibration::forgetDelay() {
   delay_ = delay_information_ = 0.0;
   odometry_turn_.forgetDelay();
   gyro_.forgetDelay();
-}
-
-/// Normalised least mean squares. On a complete map the first rates are those of a mean over the
-/// distance.
-void OdometryCalibration::updateDistanceScale(const Motion& motion, double along,
-                                              bool map_is_complete) {
-  double distance = parameters_.calibration_distance;
-  if (map_is_complete) {
-    scale_distance_ += motion.distance;
-    distance = std::min(distance, kScalePriorDistance + scale_distance_);
-  }
-  const double moved = motion.delta.x;
-  const double correction =
-      std::copysign(1.0, moved) * bounded(along, kMaxCorrectionRatio * std::abs(moved));
-  distance_scale_ = 1.0 + bounded(distance_scale_ - 1.0 + correction / distance, kMaxScaleError);
 }
 
 /// Odometry with delay d lacks a motion of d times the change of the speed: least squares with a

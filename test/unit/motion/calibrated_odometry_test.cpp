@@ -38,7 +38,11 @@ class CalibratedOdometryTest : public testing::Test {
       driveUpTo(scan_ + 0.06, scale, gyro);
       const Motion motion = odometry_.motion(odometry_.at(scan_), scan_ + 0.05);
       OdometryCalibration calibration = odometry_.calibration();
-      calibration.learn(motion, between(motion.delta, trueMotion(scan_, scan_ + 0.05)), true);
+      const Eigen::Matrix2d covariance = 1e-3 * Eigen::Matrix2d::Identity();
+      calibration.learn(
+          motion,
+          {between(motion.delta, trueMotion(scan_, scan_ + 0.05)), covariance, 0.5 * covariance},
+          {true, true});
       odometry_.setCalibration(calibration);
     }
     driveUpTo(scan_ + 0.06, scale, gyro);

@@ -26,6 +26,11 @@ Motion arc(double metres, double yaw) {
   return motion;
 }
 
+/// The correction of half of the error.
+PoseCorrection halfOf(const Pose2& pose) {
+  return {pose, 1e-3 * Eigen::Matrix2d::Identity(), 5e-4 * Eigen::Matrix2d::Identity()};
+}
+
 /// Each scan corrects half of the error.
 void drive(OdometryCalibration* calibration, const Motion& odometry, const Motion& truth, int steps,
            bool map_is_complete = true) {
@@ -34,7 +39,7 @@ void drive(OdometryCalibration* calibration, const Motion& odometry, const Motio
     const Motion corrected = calibration->correct(odometry);
     lead = between(truth.delta, compose(lead, corrected.delta));
     const Pose2 after = interpolate(lead, {}, 0.5);
-    calibration->learn(corrected, between(lead, after), map_is_complete);
+    calibration->learn(corrected, halfOf(between(lead, after)), {map_is_complete, map_is_complete});
     lead = after;
   }
 }
@@ -112,7 +117,7 @@ void swerve(OdometryCalibration* calibration, double delay, double seconds) {
     lead.x += motion.delta.x - (poseAt(t + kPeriod).x - poseAt(t).x);
     lead.yaw += motion.delta.yaw - (poseAt(t + kPeriod).yaw - poseAt(t).yaw);
     const Pose2 correction{-0.5 * lead.x, 0.0, -0.5 * lead.yaw};
-    calibration->learn(motion, correction, true);
+    calibration->learn(motion, halfOf(correction), {true, true});
     lead.x += correction.x;
     lead.yaw += correction.yaw;
   }
@@ -146,7 +151,7 @@ TEST(OdometryCalibration, StaysWithinItsLimits) {
 
 TEST(OdometryCalibration, EstimatesNothingWhileStationary) {
   OdometryCalibration calibration({20.0});
-  calibration.learn(straight(0.0), {0.1, 0.1, 0.1}, true);
+  calibration.learn(straight(0.0), halfOf({0.1, 0.1, 0.1}), {true, true});
   EXPECT_EQ(calibration.distanceScale(), 1.0);
   EXPECT_EQ(calibration.odometryTurn().scale(), 1.0);
   EXPECT_EQ(calibration.odometryTurn().offset(), 0.0);
@@ -218,7 +223,7 @@ TEST(OdometryCalibration, TheGyroIsNotCalibratedIfDisabled) {
       const double turn = 0.05 * std::sin(0.2 * scan);
       motion.gyro = {turn, 0.0};
       motion.turn = motion.delta.yaw = 0.5 * turn;
-      calibration.learn(motion, {0.0, 0.0, 1.05 * turn - motion.delta.yaw}, true);
+      calibration.learn(motion, halfOf({0.0, 0.0, 1.05 * turn - motion.delta.yaw}), {true, true});
     }
     return calibration.gyro().turnOf(probe);
   };
