@@ -111,6 +111,12 @@ TEST_F(LocalizationTimeTest, TakesAPausedBagForNoSilence) {
   parameters_.setParam("input_timeout", 0.4);
   startLocalized();
   drive(1.0);
+  // The silence begins at the clock's time when the last scan is processed.
+  car_.advance(0.04);
+  publishClock();
+  ASSERT_TRUE(listener_.waitFor([&] { return ros::Time::now().toSec() > car_.stamp() - 1e-6; }));
+  odometry_.publish(car_.odometry());
+  ASSERT_TRUE(sendScan(car_.scan()));
   ASSERT_TRUE(listener_.waitForDiagnostic("status", "localized"));
   ros::WallDuration(1.0).sleep();
   EXPECT_EQ(listener_.diagnostic("status"), "localized") << "the clock is paused";
