@@ -50,15 +50,15 @@ def option_parser(description):
     parser.add_argument("root", type=pathlib.Path, help="folder with the recordings")
     parser.add_argument("--seeds", type=int, default=3, help="runs per recording, with seeds 1 to N", metavar="N")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="only these recordings")
-    add_run_options(parser, odom_topic="/odom")
+    parser.add_argument("--odom-topic", default="/odom")
+    add_run_options(parser)
     return parser
 
 
-def add_run_options(parser, odom_topic):
+def add_run_options(parser):
     """Adds the options of the replays and of the output."""
     parser.add_argument("--config", help="YAML file of parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NAME:=VALUE", help="a parameter of every run")
-    parser.add_argument("--odom-topic", default=odom_topic, help="[%(default)s]")
     parser.add_argument("--jobs", type=int, default=1, help="parallel runs")
     parser.add_argument("--json", metavar="FILE", help="also write the table to this file")
 
@@ -75,17 +75,24 @@ def replay(recording, seed, arguments, start, folder):
     programs.run("replay", words)
 
 
-def run_seeds(run, cases, arguments):
-    """The results of run(case, seed, arguments), a list over the seeds for each case."""
-    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        futures = [[pool.submit(run, case, seed, arguments) for seed in range(1, arguments.seeds + 1)]
-                   for case in cases]
+def run_parallel(run, cases, jobs):
+    """The results of run(*case) for each case, in their order, with up to `jobs` at a time. The first error ends
+    the rest."""
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        futures = [pool.submit(run, *case) for case in cases]
         try:
-            return [[future.result() for future in of_one] for of_one in futures]
+            return [future.result() for future in futures]
         except BaseException:
-            for future in (future for of_one in futures for future in of_one):
+            for future in futures:
                 future.cancel()
             raise
+
+
+def run_seeds(run, cases, arguments):
+    """The results of run(case, seed, arguments), a list over the seeds for each case."""
+    seeds = range(1, arguments.seeds + 1)
+    results = iter(run_parallel(run, [(case, seed, arguments) for case in cases for seed in seeds], arguments.jobs))
+    return [[next(results) for _ in seeds] for _ in cases]
 
 
 def print_table(header, rows):

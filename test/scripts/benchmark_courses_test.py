@@ -117,11 +117,27 @@ class Program(unittest.TestCase):
             self.assertEqual(load_map(next(folder.glob("course_3_plain.yaml"))).resolution, 0.05)
 
     def testInvalidOptionsAreReported(self):
-        for words, expected in ((["--count", 0], "--count must be at least 1"),
+        for words, expected in ((["--first", -1], "--first must be at least 0"),
+                                (["--count", 0], "--count must be at least 1"),
                                 (["--erased", 1.0], "--erased must be at least 0 and less than 1")):
             result = self.run_program(*words)
             self.assertEqual(result.returncode, 2)
             self.assertIn(expected, result.stderr.decode())
+
+
+    def testAFailedDriveEndsTheRun(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            result = self.run_program("--first", 3, "--count", 2, "--duration", -1, "--folder", scratch)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("benchmark_courses: error: ", result.stderr.decode())
+            self.assertNotIn("Traceback", result.stderr.decode())
+
+    def testACourseThatCannotBeDrawnIsReported(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            (Path(scratch) / "course_3_plain_world.png").mkdir()
+            result = self.run_program("--first", 3, "--count", 1, "--folder", scratch)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("course 3: draw_maps failed: ", result.stderr.decode())
 
 
 if __name__ == "__main__":
